@@ -1,0 +1,368 @@
+"""Curves in two parameters on which a periodic motion loses its stability, or begins to touch."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Annotated, Any, Literal
+
+import numpy as np
+
+from latolato.analysis.checks import check_vertical
+from latolato.analysis.conditions import Condition, Multiplier, Plane, Solution, Touch, closing_maps
+from latolato.analysis.curve import Curve, Place, Special
+from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
+from latolato.analysis.orbits import (
+    CLOSED,
+    PERIODS,
+    checked_guess,
+    find_orbit,
+    multipliers_of,
+)
+from latolato.analysis.registry import analyses, labelled, warn
+from latolato.core.errors import InputError
+from latolato.core.quantities import COUNT, Quantity
+from latolato.core.registry import checked_number
+from latolato.physics.contacts import CONTACT_KINDS
+from latolato.physics.drives import Drive
+from latolato.physics.pendulum import System
+from latolato.simulation.run import record
+from latolato.simulation.start import DEFAULT_REST_SPEED
+from latolato.simulation.vary import TARGETS
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+QUANTITIES = {
+    "is_edge": Quantity("1", "", "whether stable motions end there"),
+    "contacts": Quantity("1", "", "kinds of the contacts in one period"),
+    "special_kind": Quantity("1", "", "what happens to the curve"),
+    "end_reason": Quantity("1", "", "why the curve ends"),
+}
+# Samples of a motion in which the instant of a touch is looked for.
+_SAMPLES = 2000
+# A motion that misses to be closed by more than this is only a guess.
+_NEARLY_CLOSED = 1e-6
+
+
+@analyses.register("bifurcation_curve")
+def bifurcation_curve(
+    system: System,
+    drive: Drive | None = None,
+    *,
+    kind: Literal[
+        "fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"
+    ],
+    parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
+    low: Sequence[float],
+    high: Sequence[float],
+    initial_angle: float | Sequence[float] | None = None,
+    initial_angular_velocity: float | Sequence[float] = 0.0,
+    period: Annotated[int, PERIODS] = 1,
+    points: Annotated[int, COUNT] = 200,
+    contact: str | None = "exact",
+    tolerance: float = 1e-12,
+    rest_speed: float = DEFAULT_REST_SPEED,
+    progress: Callable[[float], None] | None = None,
+) -> xr.Dataset:
+    """Return the curve over two parameters on which a periodic motion is at a bifurcation.
+
+    Pseudo-arclength continuation of the motion and both parameters; Keller (1977), with the test
+    functions of Govaerts (2000), and touches as in TC-HAT (Thota & Dankowicz 2008).
+
+    Parameters
+    ----------
+    system, drive
+        Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
+    kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
+        ``fold``: two motions meet and vanish, a multiplier is one. ``period_doubling``: a
+        multiplier is minus one. ``symmetry_breaking``: a motion that equals its image in a mirror
+        gives way to two that do not. ``grazing``: a ball touches the other one, or its image,
+        without speed. ``lift_off``: the force between balls at rest on each other touches zero.
+        ``slack_onset``: the least tension of a string touches zero.
+    parameters : pair of str
+        What is varied: parameters of system or drive, ``frequency_ratio``, ``amplitude_ratio`` or
+        ``drive_acceleration_ratio``.
+    low, high : pair of float
+        The lowest and highest value of each, in its SI unit; the curve ends there.
+    initial_angle, initial_angular_velocity, period
+        Guess of the motion, as of `floquet`.
+    points : int
+        Most points of the curve.
+    contact, tolerance, rest_speed
+        As of `floquet`.
+    progress : callable, optional
+        Called with the fraction of `points` that is done.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over ``point`` along the curve: both parameters, ``initial_angle`` and
+        ``initial_angular_velocity`` of the motion at time zero, ``largest_angle``,
+        ``multipliers`` of the map that closes it, ``impacts`` and ``contacts`` (a word of letters:
+        B bottom and T top impact, R rest, S slack; of a graze without the touch itself), and
+        ``is_edge``: whether all multipliers but the critical one are inside the unit circle, so
+        that a stable motion ends there. Over ``special`` the points of codimension two, again with
+        both parameters: ``special_kind`` is ``cusp``, ``resonance_1_1``, ``resonance_1_2``,
+        ``fold_flip`` (a fold meets a period doubling), ``meets_fold`` and ``meets_flip`` (the
+        touching motion has a multiplier of one or minus one) or ``degenerate`` (a touch that does
+        not bend away). Over ``end`` the ``end_reason`` of both ends: ``end of range``, ``closed``,
+        ``merges`` (the motions become the more symmetric one from which they split), ``grazing``,
+        ``touches_twice``, ``slackens``, ``points`` (more would follow), ``interrupted`` or ``lost``
+        (no smaller step helps). ``status``: ``complete``, ``closed``, ``interrupted``,
+        ``not found`` (no such bifurcation is near) or ``singular`` (two are, at one point).
+
+    Raises
+    ------
+    InputError
+        For unknown parameters, a range that does not hold their present values, a kind that the
+        system cannot have, and as `floquet`.
+
+    Notes
+    -----
+    Equations are solved to 1e-10. Derivatives with respect to the state are those of the engine,
+    through impacts; test functions need second derivatives, which are differences of them, as are
+    those by parameters. A graze is approached from the side on which nothing is hit: the motion
+    begins at the instant of the touch, so the square root of the other side does not occur. Motions
+    on strings are followed as on rods, until one would be pushed. Two points of codimension two of
+    the same kind within one step are missed.
+
+    Examples
+    --------
+    The first Mathieu tongue: hanging still doubles its period.
+
+    >>> import latolato as ll
+    >>> system = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+    >>> drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=1.91 * 9.8**0.5)
+    >>> tongue = bifurcation_curve(
+    ...     system, drive, kind="period_doubling", low=(0.0, 1.8), high=(0.1, 2.2)
+    ... )
+    >>> print(tongue.status.item(), round(float(tongue.drive_amplitude.min()), 5))
+    complete 0.00998
+    """
+    check_vertical(drive)
+    flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
+    plane = _checked_plane(flow, parameters, low, high)
+    _check_kind(flow, kind)
+    guess = checked_guess(flow, initial_angle, initial_angular_velocity, None)
+    condition, unknowns = _begun(plane, kind, guess, period)
+    curve = Curve(condition)
+    first = None if unknowns is None else curve.begin(unknowns)
+    places = [] if first is None else [first]
+    specials: list[Special] = []
+    ends = ["", ""]
+    status = "not found" if first is None else "singular" if curve.is_singular(first) else ""
+    if first is not None and not status:
+        places, specials, ends = _both_ways(curve, first, points, progress)
+        status = {"closed": "closed", "interrupted": "interrupted"}.get(ends[1], "complete")
+    if status in ("not found", "singular"):
+        words = kind.replace("_", " ")
+        at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(plane.names, plane.values, strict=True))
+        warn(
+            f"no {words} of a motion of {period} drive periods was found near {at}; begin at a "
+            "special point of continue_orbit"
+            if status == "not found"
+            else f"two bifurcations fall on one point near {at}, or the {words} is of another kind"
+        )
+    return labelled(
+        _variables(plane, condition, places, specials)
+        | {"status": status, "end_reason": ("end", np.array(ends, dtype="U20"))},
+        system=system,
+        drive=flow.drive,
+        quantities=QUANTITIES
+        | {name: parameter_of(system, flow.drive, name).quantity for name in plane.names}
+        | {
+            f"special_{name}": parameter_of(system, flow.drive, name).quantity
+            for name in plane.names
+        },
+    )
+
+
+def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
+    """Return two parameters with their limits."""
+    names = (names,) if isinstance(names, str) else tuple(names)
+    if len(names) != 2 or TARGETS.get(names[0], names[0]) == TARGETS.get(names[1], names[1]):
+        raise InputError("must be two parameters", parameter="parameters", value=list(names))
+    limits = []
+    for word, ends in (("low", low), ("high", high)):
+        if np.shape(ends) != (2,):
+            raise InputError("must be a value for each parameter", parameter=word, value=ends)
+        numbers = []
+        for name, end in zip(names, ends, strict=True):
+            known = parameter_of(flow.system, flow.drive, name)
+            # An end that the parameter itself may not have, such as no drive, may be approached.
+            allowed = replace(known.allowed, open_low=False, open_high=False)
+            numbers.append(checked_number(f"{word} ({name})", end, allowed, known.quantity.unit))
+        limits.append(np.array(numbers))
+    plane = Plane(flow, names, *limits)
+    for name, value, least, most in zip(names, plane.values, *limits, strict=True):
+        if not (least < most and least <= value <= most):
+            raise InputError(
+                f"low and high must enclose the {name} of the first motion, {value:.9g}, got "
+                f"[{least:g}, {most:g}]"
+            )
+    return plane
+
+
+def _check_kind(flow: Flow, kind: str) -> None:
+    """Raise InputError for a kind that a system cannot have."""
+    if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
+        raise InputError(
+            "needs balls that can touch", parameter="kind", value=kind, way_out="use LatoLato"
+        )
+    if kind == "slack_onset" and not flow.is_string:
+        raise InputError(
+            "needs strings", parameter="kind", value=kind, way_out="give suspension='string'"
+        )
+
+
+def _begun(plane: Plane, kind: str, guess: Floats, period: int) -> tuple[Condition, Floats | None]:
+    """Return the equations of a kind of curve, and unknowns to begin with."""
+    orbit = find_orbit(plane.flow, guess, period, settles=False)
+    start = orbit.start if orbit.defect <= CLOSED else guess
+    if kind in ("fold", "period_doubling", "symmetry_breaking"):
+        mirror, count = _map_of(plane.flow, start, kind, period)
+        condition = Multiplier(plane, mirror, count, 1.0 if kind == "fold" else -1.0)
+        return condition, condition.begin(start, plane.values)
+    return _touch_of(plane, kind, start, period)
+
+
+def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, int]:
+    """Return mirror and drive periods of the map whose multiplier is nearest to critical."""
+    unit = np.eye(flow.size)
+    maps = closing_maps(flow, start, period) or [(unit, period)]
+    if kind != "fold":
+        maps = [m for m in maps if np.array_equal(m[0], unit) == (kind == "period_doubling")]
+    if not maps:
+        raise InputError(
+            "needs a motion that equals its image in a mirror, and this one has none",
+            parameter="kind",
+            value=kind,
+            way_out="try 'fold' or 'period_doubling'",
+        )
+    critical = 1.0 if kind == "fold" else -1.0
+
+    def far(each: tuple[Floats, int]) -> float:
+        matrix = each[0] @ flow.follow(start, each[1] * drive_period(flow.drive)).matrix
+        return float(np.min(np.abs(multipliers_of(matrix) - critical)))
+
+    # Of maps that are equally near, the shortest.
+    return min(maps, key=lambda each: round(far(each), 6))
+
+
+def _touch_of(
+    plane: Plane, kind: str, start: Floats, period: int
+) -> tuple[Condition, Floats | None]:
+    """Return the equations of a touch, begun at the instant where a motion nearly does."""
+    flow = plane.flow
+    duration = period * drive_period(flow.drive)
+    times = np.linspace(0.0, duration, _SAMPLES, endpoint=False)
+    two = flow.size == 4
+    run = record(
+        flow.system, flow.drive, times=times, contact=flow.contact, tolerance=flow.tolerance,
+        initial_angle=tuple(start[0::2]) if two else float(start[0]),
+        initial_angular_velocity=tuple(start[1::2]) if two else float(start[1]),
+    )  # fmt: skip
+    angles, speeds = np.atleast_2d(run["angle"]), np.atleast_2d(run["angular_velocity"])
+    wall = ball = 0
+    place = angles[0] - angles[1] if two else angles[0]
+    clearances = np.array([place - flow.walls[0], flow.walls[1] - place])
+    if kind == "slack_onset":
+        tension = np.atleast_2d(run["tension"])
+        ball, at = _least(tension)
+    elif kind == "lift_off":
+        wall = int(np.argmin(clearances[:, 0]))
+        at = int(np.argmin((1.0, -1.0)[wall] * run["pivot_acceleration"]))
+    else:
+        # Of all instants at which balls are nearest, that with the least to go, in height.
+        speed = (speeds[0] - speeds[1] if two else speeds[0]) / flow.system.natural_frequency
+        nearest = (clearances <= np.roll(clearances, 1, axis=1)) & (
+            clearances <= np.roll(clearances, -1, axis=1)
+        )
+        far = np.where(nearest, np.abs(clearances) + 0.5 * speed**2, math.inf)
+        wall, at = _least(far)
+    condition = Touch(plane, kind, period, wall=wall, ball=ball)
+    state = np.array([angles[:, at], speeds[:, at]]).T.ravel()
+    turn = flow.drive.drive_frequency * float(times[at])
+    return condition, condition.begin(state, turn, plane.values)
+
+
+def _least(values: Floats) -> tuple[int, int]:
+    """Return row and column of the smallest number."""
+    row, column = np.unravel_index(int(np.argmin(values)), values.shape)
+    return int(row), int(column)
+
+
+def _both_ways(
+    curve: Curve, first: Place, points: int, progress: Callable[[float], None] | None
+) -> tuple[list[Place], list[Special], list[str]]:
+    """Return a curve followed from a point both ways: points, specials, and why it ends."""
+    done = 1
+
+    def is_seen(_: Place) -> None:
+        nonlocal done
+        done += 1
+        if progress is not None:
+            progress(min(done / points, 1.0))
+
+    # Half of the points for one way, the rest for the other, and what that leaves again.
+    after, specials, reason = curve.follow(first, 1.0, points // 2, is_seen)
+    if reason in ("closed", "interrupted"):
+        return [first, *after], specials, [reason, reason]
+    before, others, other = curve.follow(first, -1.0, points - 1 - len(after), is_seen)
+    left = points - 1 - len(after) - len(before)
+    if reason == "points" and left > 0 and after and other != "interrupted":
+        more, found, reason = curve.follow(after[-1], 1.0, left, is_seen)
+        after, specials = after + more, specials + found
+    return [*before[::-1], first, *after], [*others[::-1], *specials], [other, reason]
+
+
+def _variables(
+    plane: Plane, condition: Condition, places: list[Place], specials: list[Special]
+) -> dict[str, Any]:
+    """Return the points of a curve as variables."""
+    size = plane.flow.size
+    two = size == 4
+    per_ball = ("point", "ball") if two else ("point",)
+    solutions = [place.solution for place in places]
+    located = [special.place.solution for special in specials]
+    starts = np.array([_at_time_zero(each, condition) for each in solutions]).reshape(-1, size)
+    multipliers = np.array([multipliers_of(each.matrix) for each in solutions], dtype=complex)
+    is_edge = [np.all(np.abs(condition.others(each)) < 1.0) for each in solutions]
+
+    def ball(values: Floats) -> Floats:
+        return values if two else values[:, 0]
+
+    def along(which: int, of: list[Solution]) -> Floats:
+        return np.array([each.values[which] for each in of], dtype=float)
+
+    return {
+        **{name: ("point", along(i, solutions)) for i, name in enumerate(plane.names)},
+        "initial_angle": (per_ball, ball(starts[:, 0::2])),
+        "initial_angular_velocity": (per_ball, ball(starts[:, 1::2])),
+        "largest_angle": ("point", np.array([s.passage.largest_angle for s in solutions])),
+        "multipliers": (("point", "multiplier"), multipliers.reshape(-1, size)),
+        "impacts": ("point", np.array([s.passage.impacts for s in solutions], dtype=int)),
+        "contacts": ("point", np.array([_word(s, condition) for s in solutions], dtype="U64")),
+        "is_edge": ("point", np.array(is_edge, dtype=np.int8)),
+        **{f"special_{name}": ("special", along(i, located)) for i, name in enumerate(plane.names)},
+        "special_kind": ("special", np.array([each.kind for each in specials], dtype="U20")),
+    }
+
+
+def _word(solution: Solution, condition: Condition) -> str:
+    """Return the first letters of the contacts of a motion, in their order."""
+    if isinstance(condition, Touch) and condition.kind == "lift_off":
+        return "R"  # whatever rounding makes of a force of zero
+    names = [CONTACT_KINDS[int(kind)] for kind in solution.passage.contact_kinds]
+    return "".join(name[0].upper() for name in names if name not in ("release", "taut"))
+
+
+def _at_time_zero(solution: Solution, condition: Condition) -> Floats:
+    """Return the state of a motion at time zero."""
+    if solution.turn == 0.0:
+        return solution.start
+    flow, duration = solution.flow, condition.duration(solution.flow)
+    left = (-solution.turn / flow.drive.drive_frequency) % duration
+    return flow.follow(solution.start, left).end if left > 0.0 else solution.start

@@ -1,0 +1,522 @@
+"""What makes a periodic motion special, as equations for its state and two parameters.
+
+Two ideas hold all kinds. Either a multiplier of the map that closes the motion is one (a fold) or
+minus one (it loses a symmetry or doubles its period); or something that must not be negative, the
+clearance between balls, the force between them or the tension of a string, touches zero at one
+instant. A motion of the second kind begins at that instant, so nothing in it is steep there: the
+square root that a grazing impact brings into the map lies on the other side of the curve.
+"""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from latolato.analysis.branch import mirrors_of
+from latolato.analysis.flow import Floats, Flow, Passage, drive_period, value_of, varied
+from latolato.analysis.orbits import gap_of, scale_of, turns_of
+from latolato.core.errors import InputError
+from latolato.numerics.integrate import LARGEST
+from latolato.observables.period import wrapped
+from latolato.physics.contacts import REST
+from latolato.physics.pendulum import System
+from latolato.simulation.run import record
+from latolato.simulation.vary import DERIVED
+
+# A motion begun at a touch flies so long, in its own durations, before contacts are looked for.
+_FLIGHT = 0.05
+# Samples of one instant: a polynomial through so many, over so much of a drive period, gives value
+# and derivatives at its beginning to some 1e-12.
+_NODES, _SPAN = 9, 0.02
+# Width of differences that serve as second derivatives of the map, in units of the state.
+_WIDTH = 1e-3
+# Units of a state, in sizes of the motion; a motion without impacts may vanish, its units do not.
+_SIZES, _SMALLEST = 6.0, 0.1
+# In samples of a motion something is negative if it is below this, in natural units.
+_NEGATIVE, _SAMPLES = 1e-7, 400
+
+
+@dataclass(frozen=True)
+class Plane:
+    """Two parameters of a system under a drive, between limits.
+
+    Attributes
+    ----------
+    flow : Flow
+        The motion at some values of both.
+    names : pair of str
+    low, high : ndarray, shape (2,)
+        SI units.
+    """
+
+    flow: Flow
+    names: tuple[str, str]
+    low: Floats
+    high: Floats
+
+    @property
+    def width(self) -> Floats:
+        """The range of each parameter, the unit in which it is measured along a curve."""
+        return self.high - self.low
+
+    @property
+    def values(self) -> Floats:
+        """Both parameters of the motion that is given."""
+        return np.array([value_of(self.flow.system, self.flow.drive, n) for n in self.names])
+
+    def at(self, values: Floats, turn: float = 0.0) -> Flow:
+        """Return the motion at other values, begun when the drive has turned by some radians.
+
+        Ratios are set last: what they are multiplied by may be the other parameter.
+        """
+        system: System = self.flow.system
+        drive: Any = self.flow.drive
+        order = sorted(zip(self.names, values, strict=True), key=lambda pair: pair[0] in DERIVED)
+        for name, value in order:
+            system, drive = varied(system, drive, name, float(value))
+        phase = math.fmod(drive.drive_phase + turn, math.tau)
+        return replace(self.flow, system=system, drive=replace(drive, drive_phase=phase))
+
+
+@dataclass(frozen=True)
+class Solution:
+    """A motion at some values of the unknowns.
+
+    Attributes
+    ----------
+    missed : ndarray, shape (equation,)
+        By how much it misses the equations, in units of the state.
+    flow, start, turn
+        The motion, its state where it begins, and by how much the drive has turned there [rad].
+    passage : Passage
+        Through the duration of the map.
+    matrix : ndarray, shape (state, state)
+        Of the map that closes the motion, in units of the state.
+    values : ndarray, shape (2,)
+        The parameters.
+    """
+
+    missed: Floats
+    flow: Flow
+    start: Floats
+    turn: float
+    passage: Passage
+    matrix: Floats
+    values: Floats
+
+
+class Condition(ABC):
+    """Equations whose solutions are a curve, for one more unknown than there are of them.
+
+    Unknowns are numbers of the state, over the size of the motion, and the two parameters over
+    their ranges; so are the equations.
+
+    Attributes
+    ----------
+    measure : ndarray, shape (state,)
+        Units of the state, which suit the size of the motion.
+    """
+
+    plane: Plane
+    measure: Floats
+
+    @property
+    def units(self) -> Floats:
+        """Units of the unknowns."""
+        return np.concatenate([self.free_part(self.measure), self.further, self.plane.width])
+
+    @property
+    def further(self) -> Floats:
+        """Units of unknowns between state and parameters."""
+        return np.empty(0)
+
+    @abstractmethod
+    def at(self, unknowns: Floats) -> Solution | None:
+        """Return the motion at some unknowns, or None where there is none."""
+
+    @abstractmethod
+    def tests(self, solution: Solution) -> dict[str, float]:
+        """Return functions whose sign changes at points of codimension two, by their kind."""
+
+    @abstractmethod
+    def others(self, solution: Solution) -> NDArray[np.complex128]:
+        """Return the multipliers that are not critical by the condition itself."""
+
+    def free_part(self, state: Floats) -> Floats:
+        """Return what of a state is unknown."""
+        return state
+
+    def settle(self, solution: Solution) -> None:  # noqa: B027
+        """Take what is held fixed beside a solution from it, if anything is."""
+
+    def obstacle(self, solution: Solution) -> str:
+        """Return what else happens in a motion, which ends the curve; nothing in most."""
+        return "slackens" if math.isfinite(solution.passage.slack_time) else ""
+
+    def size_of(self, solution: Solution) -> Floats:
+        """Return units of the state that suit a motion: bouncing balls hop by any angle."""
+        passage, natural = solution.passage, scale_of(solution.flow.system)
+        impacts = passage.contact_kinds < REST
+        if not impacts.any() or np.any(passage.contact_kinds == REST):
+            return natural * max(_SIZES * passage.largest_angle, _SMALLEST)
+        times = np.sort(passage.contact_times[impacts])
+        duration = self.duration(solution.flow)
+        flight = float(np.diff(np.append(times, times[0] + duration)).max())
+        speed = float(np.abs(passage.contact_values[:, impacts]).max())
+        hop = np.tile([0.25 * speed * flight, speed], len(natural) // 2)
+        return np.asarray(_SIZES * np.minimum(natural * max(passage.largest_angle, _SMALLEST), hop))
+
+    @abstractmethod
+    def duration(self, flow: Flow) -> float:
+        """Return the time over which the motion is followed [s]."""
+
+
+class Multiplier(Condition):
+    """A multiplier of the map that closes a motion is one or minus one.
+
+    The map leads over some drive periods, and to the image in a mirror where the motion equals its
+    image. So the loss of a symmetry is a multiplier of minus one like the doubling of a period, and
+    regular: over the whole period it would be one, and the equations singular.
+
+    Parameters
+    ----------
+    plane : Plane
+    mirror : ndarray, shape (state, state)
+    periods : int
+        Of the drive, over which the map leads.
+    critical : float
+        One or minus one.
+    """
+
+    def __init__(self, plane: Plane, mirror: Floats, periods: int, critical: float) -> None:
+        self.plane, self.mirror, self.periods, self.critical = plane, mirror, periods, critical
+        self.measure = scale_of(plane.flow.system)
+        self.turns: int | None = None
+        size = len(self.measure)
+        # Left and right null vectors of the critical matrix, as they were at the last solution.
+        self.left, self.right = np.ones(size), np.ones(size)
+
+    def begin(self, start: Floats, values: Floats) -> Floats | None:
+        """Return unknowns of a motion to begin with; they solve nothing yet."""
+        solution = self.at(np.append(start, values) / self.units)
+        if solution is None:
+            return None
+        self.measure = self.size_of(solution)
+        return np.append(start, values) / self.units
+
+    def settle(self, solution: Solution) -> None:
+        """Take the null vectors from a solution, each on the side of the last one."""
+        left, _, right = np.linalg.svd(solution.matrix - self.critical * np.eye(len(self.measure)))
+        self.left = left[:, -1] if left[:, -1] @ self.left >= 0.0 else -left[:, -1]
+        self.right = right[-1] if right[-1] @ self.right >= 0.0 else -right[-1]
+
+    def at(self, unknowns: Floats) -> Solution | None:
+        """Return the motion at a state and two parameters."""
+        numbers = unknowns * self.units
+        start, values = numbers[:-2], numbers[-2:]
+        try:
+            flow = self.plane.at(values)
+        except InputError:
+            return None
+        passage = flow.follow(start, self.duration(flow))
+        end = self.mirror @ passage.end
+        if not passage.is_complete or not np.all(np.abs(end) < LARGEST):
+            return None
+        if self.turns is None:
+            self.turns = turns_of(flow, start, end)
+        gap = gap_of(start, end, self.turns) / self.measure
+        matrix = (self.mirror @ passage.matrix) * self.measure / self.measure[:, None]
+        border = self._border(matrix)
+        missed = np.append(gap, np.linalg.solve(border, np.eye(len(border))[-1])[-1])
+        return Solution(missed, flow, start, 0.0, passage, matrix, values)
+
+    def _border(self, matrix: Floats) -> Floats:
+        """Return the critical matrix with a border that makes it regular.
+
+        The last number of its solution for the last unit vector vanishes where the matrix is
+        singular; Govaerts (2000), as in MatCont.
+        """
+        size = len(matrix)
+        border = np.zeros((size + 1, size + 1))
+        border[:size, :size] = matrix - self.critical * np.eye(size)
+        border[:size, size], border[size, :size] = self.left, self.right
+        return border
+
+    def duration(self, flow: Flow) -> float:
+        """Return the time over which the map leads [s]."""
+        return self.periods * drive_period(flow.drive)
+
+    def others(self, solution: Solution) -> NDArray[np.complex128]:
+        """Return the multipliers of the map but for the critical one."""
+        multipliers = np.linalg.eigvals(solution.matrix).astype(complex)
+        return np.delete(multipliers, np.argmin(np.abs(multipliers - self.critical)))
+
+    def tests(self, solution: Solution) -> dict[str, float]:
+        """Return those of other multipliers, and at a fold of its second derivative."""
+        others = self.others(solution)
+        equal = float(np.real(np.prod(self.critical - others)))
+        opposite = float(np.real(np.prod(self.critical + others)))
+        if self.critical > 0.0:
+            result = {"resonance_1_1": equal, "fold_flip": opposite}
+            return result | {"cusp": self._curvature(solution)}
+        return {"resonance_1_2": equal, "fold_flip": opposite}
+
+    def _curvature(self, solution: Solution) -> float:
+        """Return the second derivative of the map along its null vector; zero at a cusp."""
+        border = self._border(solution.matrix)
+        last = np.eye(len(border))[-1]
+        right, left = np.linalg.solve(border, last)[:-1], np.linalg.solve(border.T, last)[:-1]
+        move = right * self.measure / self.units[:-2]
+        width = _WIDTH / float(np.linalg.norm(move))
+        here = np.append(solution.start, solution.values) / self.units
+        missed = []
+        for step in (-width, width):
+            moved = self.at(here + np.append(step * move, [0.0, 0.0]))
+            if moved is None:
+                return math.nan
+            missed.append(moved.missed[:-1])
+        return float(left @ (missed[0] + missed[1]) / (width**2 * np.linalg.norm(left)))
+
+
+class Touch(Condition):
+    """Something that must not be negative touches zero where the motion begins.
+
+    Unknowns are what of the state is free at that instant, the phase of the drive there, and the
+    two parameters. Equations: the motion closes, and the first derivative of what touches zero
+    vanishes with it.
+
+    Parameters
+    ----------
+    plane : Plane
+    kind : {"grazing", "lift_off", "slack_onset"}
+    periods : int
+        Of the drive, after which the motion closes.
+    wall : float
+        Angle or separation at which balls touch, for the first two kinds: its place among
+        ``flow.walls``.
+    ball : int
+        Whose string touches tension zero, for the last.
+    """
+
+    def __init__(self, plane: Plane, kind: str, periods: int, wall: int = 0, ball: int = 0) -> None:
+        self.plane, self.kind, self.periods, self.wall, self.ball = plane, kind, periods, wall, ball
+        self.measure = scale_of(plane.flow.system)
+        self.turns: int | None = None
+        self.flight = _FLIGHT
+
+    @property
+    def further(self) -> Floats:
+        """The unit of the drive's phase."""
+        return np.ones(1)
+
+    def begin(self, start: Floats, turn: float, values: Floats) -> Floats | None:
+        """Return unknowns of a motion that is nearly special, begun where it touches."""
+        numbers = np.concatenate([self.free_part(start), [turn], values])
+        solution = self.at(numbers / self.units)
+        if solution is None:
+            return None
+        self.measure = self.size_of(solution)
+        return np.asarray(numbers / self.units)
+
+    def free_part(self, state: Floats) -> Floats:
+        """Return what of a state is not said by the touch."""
+        return state if self.kind == "slack_onset" else state[2:]
+
+    def state(self, free: Floats, flow: Flow) -> Floats:
+        """Return the state at the touch."""
+        if self.kind == "slack_onset":
+            return free
+        wall = flow.walls[self.wall]
+        if flow.size == 2:
+            return np.array([wall, 0.0])
+        return np.array([free[0] + wall, free[1], free[0], free[1]])
+
+    def at(self, unknowns: Floats) -> Solution | None:
+        """Return the motion begun at a touch."""
+        numbers = unknowns * self.units
+        free, turn, values = numbers[:-3], float(numbers[-3]), numbers[-2:]
+        try:
+            flow = self.plane.at(values, turn)
+        except InputError:
+            return None
+        start = self.state(free, flow)
+        passage = self._around(flow, start)
+        if passage is None:
+            return None
+        if self.turns is None:
+            self.turns = turns_of(flow, start, passage.end)
+        gap = gap_of(start, passage.end, self.turns) / self.measure
+        touched = self._touched(flow, start)
+        if self.kind == "grazing":
+            missed = gap
+        elif self.kind == "slack_onset":
+            missed = np.append(gap, touched[:2])
+        else:  # at rest on each other balls have one angle in common, or none
+            missed = np.append(gap[2:], touched[:2])
+        matrix = passage.matrix * self.measure / self.measure[:, None]
+        return Solution(missed, flow, start, turn, passage, matrix, values)
+
+    def _around(self, flow: Flow, start: Floats) -> Passage | None:
+        """Return the way back to the touch, which itself is passed without contact."""
+        duration = self.duration(flow)
+        if self.kind != "grazing":
+            passage = flow.follow(start, duration)
+            return passage if passage.is_complete else None
+        free = replace(flow, contact=None)
+        pieces = ((free, self.flight), (flow, 1.0 - 2.0 * self.flight), (free, self.flight))
+        begun, way, state = 0.0, None, start
+        for each, share in pieces:
+            each = later(each, begun * duration)
+            passage = each.follow(state, share * duration)
+            if not passage.is_complete:
+                return None
+            way, state = passage if way is None else joined(way, passage), passage.end
+            begun += share
+        return way
+
+    def _touched(self, flow: Flow, start: Floats) -> Floats:
+        """Return what touches zero, its first and its second derivative over drive periods.
+
+        For a grazing contact it is the acceleration with which the clearance grows that must not
+        vanish; its own first two derivatives are zero and this acceleration.
+        """
+        span = _SPAN * drive_period(flow.drive)
+        nodes = 0.5 * span * (1.0 - np.cos(np.pi * np.arange(_NODES) / (_NODES - 1)))
+        if self.kind == "lift_off" and flow.size == 2:
+            # A ball at rest is pressed against the wall below by gravity and the pivot together.
+            lifted = self._sampled(flow, start, nodes, "pivot_acceleration")[0]
+            sign = 1.0 if self.wall == 0 else -1.0
+            return _derivatives(nodes / span, sign * (1.0 + lifted / flow.system.gravity))
+        if self.kind == "lift_off":
+            # Two balls that swing together: the acceleration with which they would part alone.
+            forces = []
+            for node in nodes:
+                moved = flow.follow(start, node).end if node > 0.0 else start
+                forces.append(-self._clearance(later(flow, node), moved, nodes)[2])
+            return _derivatives(nodes / span, np.array(forces))
+        if self.kind == "grazing":
+            return self._clearance(flow, start, nodes)
+        return _derivatives(nodes / span, self._sampled(flow, start, nodes, "tension")[self.ball])
+
+    def _clearance(self, flow: Flow, start: Floats, nodes: Floats) -> Floats:
+        """Return how far balls are from touching, and its derivatives, over natural units."""
+        angles = self._sampled(flow, start, nodes, "angle")
+        place = angles[0] if flow.size == 2 else angles[0] - angles[1]
+        sign = 1.0 if self.wall == 0 else -1.0
+        rate = flow.system.natural_frequency
+        return _derivatives(nodes * rate, sign * (place - flow.walls[self.wall]))
+
+    def _sampled(
+        self, flow: Flow, start: Floats, nodes: Floats, name: str, contact: Any = None
+    ) -> Floats:
+        """Return a variable of each ball after so many seconds, as if nothing were in the way."""
+        system: Any = flow.system
+        if flow.is_string:
+            system = replace(system, suspension="rod", string_restitution=0.0)
+        two = flow.size == 4
+        run = record(
+            system, flow.drive, times=nodes, contact=contact, tolerance=flow.tolerance,
+            initial_angle=tuple(start[0::2]) if two else float(start[0]),
+            initial_angular_velocity=tuple(start[1::2]) if two else float(start[1]),
+        )  # fmt: skip
+        return np.atleast_2d(run[name])
+
+    def duration(self, flow: Flow) -> float:
+        """Return the time after which the motion closes [s]."""
+        return self.periods * drive_period(flow.drive)
+
+    def others(self, solution: Solution) -> NDArray[np.complex128]:
+        """Return all multipliers."""
+        return np.linalg.eigvals(solution.matrix).astype(complex)
+
+    def obstacle(self, solution: Solution) -> str:
+        """Return whether what touches zero is below it at another instant, or a string slackens."""
+        if self.kind != "slack_onset" and math.isfinite(solution.passage.slack_time):
+            return "slackens"
+        return "touches_twice" if self._least(solution) < -_NEGATIVE else ""
+
+    def _least(self, solution: Solution) -> float:
+        """Return the smallest value of what touches zero, in natural units, along the motion.
+
+        A graze is passed without contact, and so are its neighbours in time.
+        """
+        flow, duration = solution.flow, self.duration(solution.flow)
+        times = np.linspace(0.0, duration, _SAMPLES)
+        if self.kind == "slack_onset":
+            weight = flow.system.balls[self.ball].mass * flow.system.gravity
+            values = self._sampled(flow, solution.start, times, "tension", contact=flow.contact)
+            return float(np.min(values[self.ball])) / weight
+        if self.kind == "lift_off":
+            lifted = self._sampled(flow, solution.start, times, "pivot_acceleration")[0]
+            sign = 1.0 if self.wall == 0 else -1.0
+            return float(np.min(sign * (1.0 + lifted / flow.system.gravity)))
+        angles = self._sampled(
+            flow, solution.start, times[times <= self.flight * duration], "angle"
+        )
+        place = angles[0] if flow.size == 2 else angles[0] - angles[1]
+        return float(min(np.min(place - flow.walls[0]), np.min(flow.walls[1] - place)))
+
+    def tests(self, solution: Solution) -> dict[str, float]:
+        """Return those of the multipliers, and of the second derivative of what touches."""
+        unit = np.eye(len(solution.matrix))
+        result = {"degenerate": float(self._touched(solution.flow, solution.start)[2])}
+        if self.kind == "lift_off":
+            return result
+        return result | {
+            "meets_fold": float(np.linalg.det(solution.matrix - unit)),
+            "meets_flip": float(np.linalg.det(solution.matrix + unit)),
+        }
+
+
+def later(flow: Flow, time: float) -> Flow:
+    """Return a flow whose time zero is some seconds later."""
+    drive: Any = flow.drive
+    phase = math.fmod(drive.drive_phase + drive.drive_frequency * time, math.tau)
+    return replace(flow, drive=replace(drive, drive_phase=phase))
+
+
+def joined(first: Passage, second: Passage) -> Passage:
+    """Return two ways one after the other as one; times of contacts are those of the pieces."""
+    return replace(
+        second,
+        matrix=second.matrix @ first.matrix,
+        spread=first.spread + second.spread,
+        largest_angle=max(first.largest_angle, second.largest_angle),
+        contact_times=np.append(first.contact_times, second.contact_times),
+        contact_kinds=np.append(first.contact_kinds, second.contact_kinds),
+        contact_values=np.concatenate([first.contact_values, second.contact_values], axis=1),
+        grazes=first.grazes + second.grazes,
+        slack_time=min(first.slack_time, second.slack_time),
+    )
+
+
+def _derivatives(times: Floats, values: Floats) -> Floats:
+    """Return value, first and second derivative at the first of some times."""
+    fit = np.polynomial.Polynomial.fit(times, values, len(times) - 1)
+    return np.array([fit(times[0]), fit.deriv(1)(times[0]), fit.deriv(2)(times[0])])
+
+
+def closing_maps(
+    flow: Flow, start: Floats, period: int, nearness: float = 1e-6
+) -> list[tuple[Floats, int]]:
+    """Return the mirror and the drive periods of each map under which a motion is its own image.
+
+    The shorter ones first, and those without a mirror before others. A motion and its image are one
+    if they differ by less than `nearness` [rad, and over the natural frequency].
+    """
+    unit = np.eye(flow.size)
+    found = []
+    scale = scale_of(flow.system)
+    for count in range(1, period + 1):
+        end = flow.follow(start, count * drive_period(flow.drive)).end
+        for mirror in (unit, *mirrors_of(flow)):
+            gap = mirror @ end - start
+            gap[0::2] = wrapped(gap[0::2])
+            if np.linalg.norm(gap / scale) < nearness:
+                found.append((mirror, count))
+    return found

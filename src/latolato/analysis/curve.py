@@ -1,0 +1,322 @@
+"""Follows the solutions of equations with one unknown more than there are equations.
+
+Pseudo-arclength continuation; Keller (1977), as in AUTO, COCO and BifurcationKit.jl.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy.optimize import brentq
+
+from latolato.analysis.conditions import Condition, Solution, closing_maps
+from latolato.analysis.flow import Floats, drive_period
+
+# Lengths of steps along a curve, in units of the state and of the parameters' ranges.
+_FIRST, _SHORTEST, _LONGEST = 2e-3, 1e-7, 2e-2
+# An obstacle is approached to this distance.
+_CLOSE = 1e-4
+# Equations are solved to this; differences of them are taken over so much.
+_SOLVED, _DIFFERENCE = 1e-10, 1e-6
+_TRIALS = 12
+# The rounding of angles, which equations of the smallest hops do not get below.
+_ROUNDED = 1e-15
+# A first guess is moved by at most so much in one trial, and is lost beyond so much in all.
+_MOVE, _REACH = 0.02, 0.05
+# Equations whose matrix is this near to singular describe no curve.
+_SINGULAR = 1e-7
+# Functions that vanish all along a curve, as where nothing is lost, differ from zero by rounding.
+_ROUNDING = 1e-6
+# Where, beyond the end of a curve, the reason is looked for.
+_BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
+# At a turning point a motion has a symmetry to this.
+_MERGED = 1e-3
+
+
+@dataclass(frozen=True)
+class Place:
+    """A point of a curve: unknowns, the motion, the matrix of the equations, the direction."""
+
+    unknowns: Floats
+    measure: Floats
+    solution: Solution
+    matrix: Floats
+    tangent: Floats
+    tests: dict[str, float]
+
+
+@dataclass(frozen=True)
+class Special:
+    """A point of codimension two: its kind, and where it is."""
+
+    kind: str
+    place: Place
+
+
+class Curve:
+    """Follows one curve; made by `bifurcation_curve`."""
+
+    def __init__(self, condition: Condition) -> None:
+        self.condition = condition
+        plane = condition.plane
+        self.low, self.high = plane.low / plane.width, plane.high / plane.width
+
+    def begin(self, guess: Floats) -> Place | None:
+        """Return the point of the curve nearest to a guess, or None."""
+        unknowns, solution = guess, self.condition.at(guess)
+        for _ in range(2 * _TRIALS):
+            if solution is None:
+                return None
+            if np.linalg.norm(solution.missed) <= self._limit(solution):
+                self.condition.settle(solution)
+                again = self.condition.at(unknowns)
+                return None if again is None else self._place(unknowns, again)
+            matrix = self._matrix(unknowns, solution)
+            if matrix is None:
+                return None
+            move = np.linalg.lstsq(matrix, -solution.missed, rcond=1e-12)[0]
+            size = float(np.linalg.norm(move))
+            if size == 0.0:
+                return None
+            unknowns = unknowns + move * min(1.0, _MOVE / size)
+            if np.linalg.norm(unknowns - guess) > _REACH:
+                return None
+            solution = self.condition.at(unknowns)
+        return None
+
+    def is_singular(self, place: Place) -> bool:
+        """Whether the equations leave more than one direction free."""
+        sizes = np.linalg.svd(place.matrix, compute_uv=False)
+        return bool(sizes[-1] < _SINGULAR * max(1.0, sizes[0]))
+
+    def follow(
+        self, first: Place, way: float, most: int, is_seen: Callable[[Place], None]
+    ) -> tuple[list[Place], list[Special], str]:
+        """Return points of the curve after the first, what is special among them, and its end.
+
+        Parameters
+        ----------
+        way : float
+            One along the tangent of the first point, minus one against it.
+        most : int
+            Most points.
+        is_seen : callable
+            Called with each point.
+        """
+        self.condition.measure = first.measure
+        self.condition.settle(first.solution)
+        begun = self._toward(first, way * first.tangent)
+        places: list[Place] = [begun]
+        specials: list[Special] = []
+        try:
+            reason = self._follow(places, specials, most, is_seen)
+        except KeyboardInterrupt:
+            reason = "interrupted"
+        return places[1:], specials, reason
+
+    def _follow(
+        self,
+        places: list[Place],
+        specials: list[Special],
+        most: int,
+        is_seen: Callable[[Place], None],
+    ) -> str:
+        """Append points of a curve to the first, and special ones; return why it ends."""
+        begun, length = places[0], _FIRST
+        while len(places) <= most:
+            place = places[-1]
+            new = self.correct(place, length)
+            if new is None or new.tangent @ place.tangent < 0.9:
+                length *= 0.5
+                if length < _SHORTEST:
+                    return self._reason(place)
+                continue
+            border = self._border(new)
+            if border is not None:
+                end = self._at_border(place, new, *border)
+                if end is None:
+                    length *= 0.5
+                    if length < _SHORTEST:
+                        return "lost"
+                    continue
+                specials += self._specials(place, end)
+                is_seen(end)
+                places.append(end)
+                return "end of range"
+            if why := self.condition.obstacle(new.solution):
+                length *= 0.5
+                if length < _CLOSE:
+                    return why
+                continue
+            met = self._specials(place, new)
+            if met and met[-1].kind == "cusp" and self._merges(place, met[-1].place):
+                places.append(met[-1].place)
+                return "merges"
+            specials += met
+            places.append(self._resized(new))
+            is_seen(new)
+            length = min(1.5 * length, _LONGEST)
+            if len(places) > 10 and np.array_equal(new.measure, begun.measure):
+                apart = float(np.linalg.norm(new.unknowns - begun.unknowns))
+                if apart < 0.75 * length and new.tangent @ begun.tangent > 0.5:
+                    return "closed"
+        return "points"
+
+    def _resized(self, place: Place) -> Place:
+        """Return a point in units that become those of the condition: the size of its motion."""
+        condition, old, units = self.condition, place.measure, self.condition.units
+        new = condition.size_of(place.solution)
+        if np.all((new > 0.5 * old) & (new < 2.0 * old)):
+            return place
+        condition.measure = new
+        change = units / condition.units
+        unknowns = place.unknowns * change
+        solution = condition.at(unknowns)
+        found = None if solution is None else self._place(unknowns, solution)
+        if found is None:
+            condition.measure = old
+            return place
+        return self._toward(found, place.tangent * change)
+
+    def _merges(self, old: Place, there: Place) -> bool:
+        """Whether a motion has a symmetry at a turning point that it lacks beside it.
+
+        It is then the one from which the curve's motions split, and behind it are their images.
+        """
+        counts = []
+        for place in (old, there):
+            solution = place.solution
+            periods = round(
+                self.condition.duration(solution.flow) / drive_period(solution.flow.drive)
+            )
+            counts.append(len(closing_maps(solution.flow, solution.start, periods, _MERGED)))
+        return counts[1] > counts[0]
+
+    def _reason(self, place: Place) -> str:
+        """Return what happens just beyond the end of a curve."""
+        for length in _BEYOND:
+            beyond = self.condition.at(place.unknowns + length * place.tangent)
+            if beyond is None:
+                return "lost"
+            if why := self.condition.obstacle(beyond):
+                return why
+            if beyond.passage.impacts != place.solution.passage.impacts:
+                return "grazing"
+        return "lost"
+
+    def correct(self, place: Place, length: float) -> Place | None:
+        """Return the point of the curve at a distance along the tangent, or None."""
+        guess = place.unknowns + length * place.tangent
+        return self._solved(place, guess, place.tangent)
+
+    def _solved(self, place: Place, guess: Floats, row: Floats) -> Place | None:
+        """Return the point of the curve whose distance to a guess is across a direction, or None.
+
+        Newton's method with the matrix of the last point, improved after each trial (Broyden 1965).
+        """
+        unknowns, solution = guess, self.condition.at(guess)
+        bordered, is_polished = np.vstack([place.matrix, row]), False
+        for _ in range(_TRIALS):
+            if solution is None or not np.all(np.isfinite(solution.missed)):
+                return None
+            missed = np.append(solution.missed, row @ (unknowns - guess))
+            is_solved = np.linalg.norm(missed) <= self._limit(solution)
+            if is_solved and (is_polished or not missed.any()):
+                found = self._place(unknowns, solution)
+                return None if found is None else self._toward(found, place.tangent)
+            is_polished = bool(is_solved)
+            move = np.linalg.solve(bordered, -missed)
+            size = float(np.linalg.norm(move))
+            if size > 10.0 * _LONGEST:
+                return None
+            unknowns = unknowns + move
+            solution = self.condition.at(unknowns)
+            if solution is not None:
+                left = np.append(solution.missed, row @ (unknowns - guess))
+                bordered = bordered + np.outer(left, move) / size**2
+        return None
+
+    def _place(self, unknowns: Floats, solution: Solution) -> Place | None:
+        """Return a point with its matrix, direction and tests."""
+        self.condition.settle(solution)
+        matrix = self._matrix(unknowns, solution)
+        if matrix is None:
+            return None
+        tangent = np.linalg.svd(matrix)[2][-1]
+        tests, measure = self.condition.tests(solution), self.condition.measure
+        return Place(unknowns, measure, solution, matrix, tangent, tests)
+
+    def _toward(self, place: Place, like: Floats) -> Place:
+        """Return a point whose tangent points like a direction."""
+        if place.tangent @ like >= 0.0:
+            return place
+        return replace(place, tangent=-place.tangent)
+
+    def _matrix(self, unknowns: Floats, solution: Solution) -> Floats | None:
+        """Return the derivatives of the equations, by differences to one side."""
+        columns = []
+        for direction in np.eye(len(unknowns)):
+            for width in (_DIFFERENCE, -_DIFFERENCE):
+                moved = self.condition.at(unknowns + width * direction)
+                if moved is not None:
+                    break
+            if moved is None:
+                return None
+            columns.append((moved.missed - solution.missed) / width)
+        matrix = np.array(columns).T
+        return matrix if np.all(np.isfinite(matrix)) else None
+
+    def _border(self, place: Place) -> tuple[int, float] | None:
+        """Return which parameter is outside its range by most, and the end that it passed."""
+        values = place.unknowns[-2:]
+        beyond = np.maximum(self.low - values, values - self.high)
+        which = int(np.argmax(beyond))
+        if beyond[which] <= 0.0:
+            return None
+        return which, float(
+            self.low[which] if values[which] < self.low[which] else self.high[which]
+        )
+
+    def _at_border(self, old: Place, new: Place, which: int, end: float) -> Place | None:
+        """Return the point at which a parameter reaches the end of its range."""
+        row = np.zeros(len(old.unknowns))
+        row[which - 2] = 1.0
+        begun, gone = old.unknowns[which - 2], new.unknowns[which - 2]
+        share = (end - begun) / (gone - begun)
+        guess = old.unknowns + share * (new.unknowns - old.unknowns)
+        guess[which - 2] = end
+        return self._solved(old, guess, row)
+
+    def _specials(self, old: Place, new: Place) -> list[Special]:
+        """Return the points of codimension two between two neighbours."""
+        found = []
+        reach = float(old.tangent @ (new.unknowns - old.unknowns))
+        for kind, before in old.tests.items():
+            after = new.tests[kind]
+            if not before * after < 0.0 or max(abs(before), abs(after)) < _ROUNDING:
+                continue
+            located: list[Place] = []
+
+            def test(length: float, kind: str = kind, located: list[Place] = located) -> float:
+                if length in (0.0, reach):
+                    return (old if length == 0.0 else new).tests[kind]
+                place = self.correct(old, length)
+                if place is None:
+                    raise ArithmeticError
+                located.append(place)
+                return place.tests[kind]
+
+            try:
+                brentq(test, 0.0, reach, xtol=1e-9)
+            except ArithmeticError:
+                continue
+            if located:
+                found.append(Special(kind, min(located, key=lambda p: abs(p.tests[kind]))))
+        return found
+
+    def _limit(self, solution: Solution) -> float:
+        """Return how well equations can be solved: a motion enlarges errors, of rounding too."""
+        enlarged = max(1.0, float(np.linalg.norm(solution.matrix)))
+        return enlarged * _SOLVED + _ROUNDED / float(self.condition.measure[0])

@@ -1,0 +1,226 @@
+"""Curves of bifurcations in two parameters: closed forms, both sides, and ends that are said."""
+
+import math
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from hanging import tongue_edges
+from latolato.analysis.bifurcation_curve import bifurcation_curve
+from latolato.core.errors import InputError
+
+NATURAL = math.sqrt(9.8)
+PENDULUM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
+TOY = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.85)
+
+
+def shake(ratio, amplitude, system=PENDULUM):
+    return ll.Harmonic(drive_amplitude=amplitude, drive_frequency=ratio * system.natural_frequency)
+
+
+def hanging_tongue(**options):
+    return bifurcation_curve(
+        PENDULUM, shake(1.91, 0.05), kind="period_doubling",
+        **({"low": (0.0, 1.7), "high": (0.2, 2.3)} | options),
+    )  # fmt: skip
+
+
+def test_hanging_still_doubles_its_period_along_the_tongue():
+    curve = hanging_tongue()
+    assert curve.status.item() == "complete"
+    assert list(curve.end_reason.values) == ["end of range"] * 2
+    for amplitude, ratio in zip(curve.drive_amplitude, curve.frequency_ratio, strict=True):
+        edges = tongue_edges(drive_amplitude=float(amplitude), length=1.0, mass=0.8, damping=0.05)
+        assert min(abs(float(ratio) - edge) for edge in edges) < 1e-8
+    # The critical multiplier is minus one, and the other one is what damping leaves: an edge.
+    assert np.abs(curve.multipliers.values + 1.0).min(axis=1).max() < 1e-9
+    assert curve.is_edge.values.all()
+
+
+def test_the_order_of_the_parameters_does_not_matter():
+    one = hanging_tongue()
+    other = hanging_tongue(
+        parameters=("frequency_ratio", "drive_amplitude"), low=(1.7, 0.0), high=(2.3, 0.2)
+    )
+    amplitudes = np.linspace(0.02, 0.15, 5)
+    for edge in (1, -1):
+        ratios = []
+        for curve in (one, other):
+            side = curve.isel(point=np.flatnonzero(edge * (curve.frequency_ratio.values - 2.0) > 0))
+            order = np.argsort(side.drive_amplitude.values)
+            x, y = side.drive_amplitude.values[order], side.frequency_ratio.values[order]
+            ratios.append(np.interp(amplitudes, x, y))
+        # Both lines between points: their chords differ by what the curve bends between them.
+        np.testing.assert_allclose(*ratios, atol=2e-3)
+
+
+@pytest.mark.parametrize("kind", ["fold", "period_doubling"])
+def test_a_bouncing_ball_begins_and_doubles_as_on_a_flat_wall(kind):
+    # One bounce a period, no drag, a fast drive: pi (1 - e)/(1 + e), and its flip, of g.
+    def known(e):
+        begins = math.pi * (1.0 - e) / (1.0 + e)
+        flips = math.hypot(begins, 2.0 * (1.0 + e * e) / (1.0 + e) ** 2)
+        return begins if kind == "fold" else flips
+
+    ratio, restitution = 1e4, 0.8
+    ball = ll.LatoLato(length=1.0, mass=0.8, radius=math.sin(0.1), restitution=restitution)
+    w = ratio * NATURAL
+    speed = 9.8 * math.sin(0.1) * math.pi / w  # of a bounce that lasts a drive period
+    curve = bifurcation_curve(
+        ball, ll.Harmonic(drive_amplitude=known(0.8) * 9.8 / w**2, drive_frequency=w), kind=kind,
+        parameters=("restitution", "drive_acceleration_ratio"), low=(0.3, 0.05), high=(0.95, 3.0),
+        initial_angle=ball.contact_angle_low + 1e-13,
+        initial_angular_velocity=speed * (1.0 if kind == "fold" else 0.9),
+    )  # fmt: skip
+    assert list(curve.end_reason.values) == ["end of range"] * 2
+    assert set(curve.contacts.values) == {"B"}
+    expected = [known(e) for e in curve.restitution.values]
+    # What the wall's bend leaves at this ratio.
+    np.testing.assert_allclose(curve.drive_acceleration_ratio.values, expected, atol=5e-7)
+    assert np.ptp(curve.restitution.values) == pytest.approx(0.65)
+
+
+def swinging_fold(**options):
+    return bifurcation_curve(
+        PENDULUM, shake(1.0457, 0.05), kind="fold", period=2, initial_angle=2.195,
+        initial_angular_velocity=2.518,
+        **({"low": (0.0, 0.9), "high": (0.06, 2.3)} | options),
+    )  # fmt: skip
+
+
+def test_swings_begin_at_a_fold_that_merges_with_the_tongue():
+    fold = swinging_fold()
+    assert sorted(fold.end_reason.values) == ["end of range", "merges"]
+    tip = {name: float(fold[name].values[fold.largest_angle.argmin()]) for name in
+           ("drive_amplitude", "frequency_ratio", "largest_angle")}  # fmt: skip
+    assert tip["largest_angle"] < 1e-3
+    edges = tongue_edges(drive_amplitude=tip["drive_amplitude"], length=1.0, mass=0.8, damping=0.05)
+    assert min(abs(tip["frequency_ratio"] - edge) for edge in edges) < 1e-6
+
+
+def test_swings_exist_on_one_side_of_their_fold_only():
+    fold = swinging_fold()
+    large = np.flatnonzero(fold.largest_angle.values > 0.3)  # smaller ones are nearly at the tongue
+    for i in large[5:-1:25]:
+        point = fold.isel(point=i)
+        found = []
+        for factor in (1.001, 0.999):
+            drive = shake(float(point.frequency_ratio), factor * float(point.drive_amplitude))
+            orbit = ll.analysis.floquet(
+                PENDULUM, drive, period=2, initial_angle=float(point.initial_angle),
+                initial_angular_velocity=float(point.initial_angular_velocity),
+            )  # fmt: skip
+            near = abs(float(orbit.initial_angle) - float(point.initial_angle)) < 0.3
+            swings = abs(float(orbit.initial_angle)) > 1e-3
+            found.append(orbit.status.item() != "not found" and near and swings)
+        assert found == [True, False]
+
+
+def bouncing_graze():
+    return bifurcation_curve(
+        TOY, shake(4.573, 0.03, TOY), kind="grazing", low=(0.01, 3.0), high=(0.08, 6.0),
+        initial_angle=0.08174, initial_angular_velocity=0.0132,
+    )  # fmt: skip
+
+
+def test_a_bounce_grazes_the_wall_again_on_one_side_of_its_curve():
+    graze = bouncing_graze()
+    assert list(graze.end_reason.values) == ["end of range"] * 2
+    assert set(graze.contacts.values) == {"B"}
+    for i in range(3, graze.sizes["point"], 9):
+        point = graze.isel(point=i)
+        clearances = []
+        for factor in (0.9999, 1.0, 1.0001):
+            drive = shake(factor * float(point.frequency_ratio), float(point.drive_amplitude), TOY)
+            period = math.tau / drive.drive_frequency
+            run = ll.simulate(
+                TOY, drive, initial_angle=float(point.initial_angle),
+                initial_angular_velocity=float(point.initial_angular_velocity),
+                times=np.linspace(0.0, period, 4001),
+            )  # fmt: skip
+            angle = run.angle.values
+            inner = np.flatnonzero((angle[1:-1] <= angle[:-2]) & (angle[1:-1] <= angle[2:])) + 1
+            clearances.append(np.sort(angle[inner] - TOY.contact_angle_low))
+        # At the curve itself two approaches of the wall are closer than a millionth of a radian:
+        # the bounce and the graze.
+        assert clearances[1][0] < 1e-6
+
+
+def test_a_ball_at_rest_lifts_off_where_the_pivot_falls_as_fast_as_it():
+    curve = bifurcation_curve(
+        TOY, shake(2.8, 0.03, TOY), kind="lift_off", low=(0.005, 1.0), high=(0.1, 8.0),
+        initial_angle=TOY.contact_angle_low,
+    )  # fmt: skip
+    lifted = curve.drive_amplitude * (curve.frequency_ratio * TOY.natural_frequency) ** 2
+    np.testing.assert_allclose(lifted.values, 9.8, rtol=1e-10)
+    assert set(curve.contacts.values) == {"R"}
+
+
+def test_a_hanging_string_goes_slack_where_its_pivot_falls_freely():
+    string = ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string")
+    curve = bifurcation_curve(
+        string, shake(2.2, 0.2), kind="slack_onset", low=(0.05, 1.0), high=(0.5, 4.0)
+    )
+    lifted = curve.drive_amplitude * (curve.frequency_ratio * NATURAL) ** 2
+    np.testing.assert_allclose(lifted.values, 9.8, rtol=1e-9)
+    # It crosses the tongue, inside which hanging still is unstable.
+    assert list(curve.special_kind.values) == ["meets_flip", "meets_flip"]
+    for ratio, amplitude in zip(
+        curve.special_frequency_ratio, curve.special_drive_amplitude, strict=True
+    ):
+        edges = tongue_edges(drive_amplitude=float(amplitude), length=1.0, mass=0.8, damping=0.05)
+        assert min(abs(float(ratio) - edge) for edge in edges) < 1e-7
+
+
+def test_no_bifurcation_near_a_start_is_said():
+    with pytest.warns(RuntimeWarning, match="no fold of a motion of 1 drive periods was found"):
+        curve = bifurcation_curve(
+            TOY, shake(2.2, 0.03, TOY), kind="fold", low=(0.0, 0.5), high=(0.1, 6.0),
+            initial_angle=0.3177, initial_angular_velocity=5.398,
+        )  # fmt: skip
+    assert curve.status.item() == "not found"
+    assert curve.sizes["point"] == 0
+
+
+def test_a_fold_asked_for_where_a_symmetry_breaks_is_singular():
+    with pytest.warns(RuntimeWarning, match="of another kind"):
+        curve = bifurcation_curve(
+            PENDULUM, shake(0.9897, 0.2955), kind="fold", low=(0.05, 0.5), high=(0.5, 1.5)
+        )
+    assert curve.status.item() in ("singular", "not found")
+    broken = bifurcation_curve(
+        PENDULUM, shake(0.9897, 0.2955), kind="symmetry_breaking", low=(0.05, 0.5), high=(0.5, 1.5)
+    )
+    assert broken.status.item() == "complete"
+    assert np.abs(broken.multipliers.values + 1.0).min(axis=1).max() < 1e-9
+
+
+def test_a_curve_can_be_stopped_and_keeps_what_it_has():
+    def stop(share):
+        if share > 0.1:
+            raise KeyboardInterrupt
+
+    curve = hanging_tongue(progress=stop)
+    assert curve.status.item() == "interrupted"
+    assert 10 < curve.sizes["point"] < 40
+
+
+@pytest.mark.parametrize(
+    "options, message",
+    [
+        ({"parameters": ("drive_amplitude",)}, "must be two parameters"),
+        ({"parameters": ("frequency_ratio", "drive_frequency")}, "must be two parameters"),
+        ({"parameters": ("drive_amplitud", "frequency_ratio")}, "did you mean"),
+        ({"low": (0.06, 1.7)}, "must enclose the drive_amplitude"),
+        ({"low": (0.0,)}, "must be a value for each parameter"),
+        ({"kind": "grazing"}, "needs balls that can touch"),
+        ({"kind": "slack_onset"}, "needs strings"),
+        ({"kind": "folds"}, "kind"),
+    ],
+)
+def test_bad_input_is_refused_with_the_reason(options, message):
+    with pytest.raises(InputError, match=message):
+        hanging_tongue(**options) if "kind" not in options else bifurcation_curve(
+            PENDULUM, shake(1.91, 0.05), low=(0.0, 1.7), high=(0.2, 2.3), **options
+        )
