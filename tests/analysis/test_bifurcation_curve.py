@@ -92,7 +92,7 @@ def swinging_fold(**options):
 def test_swings_begin_at_a_fold_that_merges_with_the_tongue():
     fold = swinging_fold()
     assert sorted(fold.end_reason.values) == ["end of range", "merges"]
-    tip = {name: float(fold[name].values[fold.largest_angle.argmin()]) for name in
+    tip = {name: float(fold[name].values[int(np.argmin(fold.largest_angle.values))]) for name in
            ("drive_amplitude", "frequency_ratio", "largest_angle")}  # fmt: skip
     assert tip["largest_angle"] < 1e-3
     edges = tongue_edges(drive_amplitude=tip["drive_amplitude"], length=1.0, mass=0.8, damping=0.05)

@@ -10,6 +10,7 @@ import xarray as xr
 import latolato as ll
 from latolato.analysis import analyses
 from latolato.analysis.registry import labelled, recorded
+from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.figures.analyses import drawings
 from latolato.figures.plot import module_of
@@ -19,12 +20,12 @@ TOY = ll.LatoLato(length=0.245, mass=0.1, radius=0.0196, damping=0.00274, restit
 SHAKE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=12.0)
 
 
-def made(name, variables, coordinates=None, settings=None):
+def made(name, variables, coordinates=None, settings=None, quantities=None):
     """A dataset as the analysis would label it."""
     home = importlib.import_module(f"latolato.analysis.{name}")
     found = labelled(
-        variables, system=TOY, drive=SHAKE, coordinates=coordinates, quantities=home.QUANTITIES,
-        settings=settings,
+        variables, system=TOY, drive=SHAKE, coordinates=coordinates,
+        quantities=home.QUANTITIES | (quantities or {}), settings=settings,
     )  # fmt: skip
     return recorded(name, found, {})
 
@@ -230,3 +231,52 @@ def test_numbers_are_written_with_their_names_and_units_but_not_what_is_missing(
     assert "exponential growth rate" in text
     assert "1/s" in text
     assert "drive periods" not in text  # NaN
+
+
+def curve_of(x, y, edges, kind="fold", specials=()):
+    """A curve as `bifurcation_curve` would return it."""
+    count = len(x)
+    names = ("drive_amplitude", "frequency_ratio")
+    known = {f"special_{name}": QUANTITIES[name] for name in names}
+    return made(
+        "bifurcation_curve",
+        {
+            "drive_amplitude": ("point", np.array(y, dtype=float)),
+            "frequency_ratio": ("point", np.array(x, dtype=float)),
+            "is_edge": ("point", np.array(edges, dtype=np.int8)),
+            "special_drive_amplitude": ("special", np.array([s[1] for s in specials], dtype=float)),
+            "special_frequency_ratio": ("special", np.array([s[2] for s in specials], dtype=float)),
+            "special_kind": ("special", np.array([s[0] for s in specials], dtype="U20")),
+            "status": "complete" if count else "not found",
+        },
+        settings={"bifurcation": kind, "parameters": ["drive_amplitude", "frequency_ratio"]},
+        quantities=known,
+    )
+
+
+def test_a_curve_of_bifurcations_is_solid_where_stable_motions_end():
+    x, y = np.linspace(1.0, 2.0, 11), np.linspace(0.05, 0.01, 11)
+    edges = [1] * 5 + [0] * 6
+    figure = ll.plot(curve_of(x, y, edges, specials=[("cusp", 0.034, 1.4)]))
+    solid, dashed, mark = figure.axes[0].get_lines()
+    assert solid.get_xdata()[-1] == dashed.get_xdata()[0] == pytest.approx(1.5)
+    assert (solid.get_linestyle(), dashed.get_linestyle()) == ("-", "--")
+    assert mark.get_xdata()[0] == pytest.approx(1.4)
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts == ["fold", "fold, of an unstable motion", "cusp"]
+    assert "no curve" in ll.plot(curve_of([], [], [])).axes[0].texts[0].get_text()
+
+
+def test_a_curve_is_drawn_over_a_map_in_the_units_of_its_axes():
+    curve = curve_of([1.0, 2.0, 3.0], [0.01, 0.02, 0.03], [1, 1, 1])
+    axes = {"drive_frequency": [6.0, 12.0, 18.0], "amplitude_ratio": [0.05, 0.1]}
+    grid = ll.sweep(TOY, axes=axes, initial_angle=0.3, duration=1.0, observables=["largest_angle"])
+    figure = ll.plot(grid, overlays=[curve, "lift_off"])
+    line = next(each for each in figure.axes[0].get_lines() if each.get_label() == "fold")
+    np.testing.assert_allclose(line.get_xdata(), TOY.natural_frequency * np.array([1.0, 2.0, 3.0]))
+    np.testing.assert_allclose(line.get_ydata(), np.array([0.01, 0.02, 0.03]) / TOY.length)
+    other = curve.assign_attrs(restitution=0.5)
+    with pytest.raises(ll.InputError, match=r"its restitution is 0\.5, that of the map 0\.9"):
+        ll.plot(grid, overlays=[other])
+    with pytest.raises(ll.InputError, match="must be 'tongue', 'lift_off' or a result"):
+        ll.plot(grid, overlays=[grid])

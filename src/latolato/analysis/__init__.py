@@ -8,6 +8,7 @@ import importlib
 import pkgutil
 
 from latolato.analysis.basins import BasinEntropy, basin_entropy, basins
+from latolato.analysis.bifurcation_curve import bifurcation_curve
 from latolato.analysis.bifurcation_diagram import bifurcation_diagram
 from latolato.analysis.closed_forms import (
     MathieuParameters,
@@ -52,6 +53,7 @@ __all__ = [
     "analyses",
     "basin_entropy",
     "basins",
+    "bifurcation_curve",
     "bifurcation_diagram",
     "collision_times",
     "continue_orbit",

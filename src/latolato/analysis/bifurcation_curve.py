@@ -170,12 +170,8 @@ def bifurcation_curve(
         | {"status": status, "end_reason": ("end", np.array(ends, dtype="U20"))},
         system=system,
         drive=flow.drive,
-        quantities=QUANTITIES
-        | {name: parameter_of(system, flow.drive, name).quantity for name in plane.names}
-        | {
-            f"special_{name}": parameter_of(system, flow.drive, name).quantity
-            for name in plane.names
-        },
+        quantities=QUANTITIES | _quantities(plane),
+        settings={"bifurcation": kind},
     )
 
 
@@ -349,6 +345,13 @@ def _variables(
         **{f"special_{name}": ("special", along(i, located)) for i, name in enumerate(plane.names)},
         "special_kind": ("special", np.array([each.kind for each in specials], dtype="U20")),
     }
+
+
+def _quantities(plane: Plane) -> dict[str, Quantity]:
+    """Return what both parameters are, along the curve and at its special points."""
+    flow = plane.flow
+    known = {name: parameter_of(flow.system, flow.drive, name).quantity for name in plane.names}
+    return known | {f"special_{name}": about for name, about in known.items()}
 
 
 def _word(solution: Solution, condition: Condition) -> str:

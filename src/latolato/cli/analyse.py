@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Mapping
+from inspect import signature
 from typing import Any
 
 from latolato.cli.options import JsonOption, OutputOption, PlotOption, ScenarioArgument
 from latolato.cli.output import Targets, elapsed_since, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
 from latolato.core.errors import InputError
-from latolato.io.progress import working
+from latolato.io.progress import bar, working
 from latolato.scenario.analysis_call import AnalysisCall, axes_of, unfit_options
 
 
@@ -70,8 +71,13 @@ def run(
         module_of("analysis", call.name)
     try:
         arguments = call.arguments(source, values)
-        with working(call.name.replace("_", " ")):
-            dataset = call.function(**arguments)
+        words = call.name.replace("_", " ")
+        if "progress" in signature(call.function).parameters:
+            with bar(words) as progress:
+                dataset = call.function(**arguments, progress=progress)
+        else:
+            with working(words):
+                dataset = call.function(**arguments)
     except InputError as error:
         varied = ", ".join(n for n in axes_of(source) if values.get(n) is None)
         if varied:

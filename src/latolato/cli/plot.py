@@ -42,7 +42,10 @@ def plot(
     ] = None,
     overlay: Annotated[
         list[str] | None,
-        typer.Option(help="Curve drawn over the map: tongue or lift_off.", rich_help_panel="Maps"),
+        typer.Option(
+            help="Curve drawn over the map: tongue, lift_off, or a file of bifurcation_curve.",
+            rich_help_panel="Maps",
+        ),
     ] = None,
     points: Annotated[
         Path | None,
@@ -68,7 +71,7 @@ def plot(
         "log": log,
         "curves": curves,
         "select": selection_of(select or [], dataset),
-        "overlays": overlay or [],
+        "overlays": [load(Path(each)) if each.endswith(".nc") else each for each in overlay or []],
         "points": points,
     }
     kind = pictures.kind_of(dataset)

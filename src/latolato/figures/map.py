@@ -266,13 +266,16 @@ class Drawing:
         return low, high
 
     def map(
-        self, overlays: Sequence[str], points: str | Path | None, look: Look | None = None
+        self,
+        overlays: Sequence[str | xr.Dataset],
+        points: str | Path | None,
+        look: Look | None = None,
     ) -> Figure:
         """Return the heat map, with theory and trials over it."""
         look = look or Look()
         context = None
-        if overlays or points:
-            y, x = self.sides
+        y, x = self.sides
+        if points or any(isinstance(each, str) for each in overlays):
             context = marks.Context.of(self.grid, x.name, y.name)
         with style.use_style():
             figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
@@ -288,11 +291,13 @@ class Drawing:
                 getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
             if look.lines:
                 handles.append(contours.draw(axes, look.lines, look.unit, look.label))
-            if context is not None:
-                for name in overlays:
-                    handles.append(marks.draw(axes, context, name))
-                if points is not None:
-                    handles += marks.draw_points(axes, context, points)
+            for each in overlays:
+                if context is not None and isinstance(each, str):
+                    handles.append(marks.draw(axes, context, each))
+                elif not isinstance(each, str):
+                    handles += marks.draw_curve(axes, self.grid, (x.name, y.name), each)
+            if context is not None and points is not None:
+                handles += marks.draw_points(axes, context, points)
             _finish(figure, axes, self.title, handles)
             figure.draw_without_rendering()
             return figure

@@ -34,6 +34,8 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
     attributes = grid.attrs
     varied = {str(name) for name, c in grid.coords.items() if c.dims}
     varied.add(attributes.get("parameter", ""))  # that a branch is followed along
+    if attributes.get("analysis") == "bifurcation_curve":
+        varied |= set(attributes["parameters"])
     words = [f"{attributes.get('system', 'sweep')}"]
     if attributes.get("suspension") == "string":
         words[0] += " on strings"

@@ -10,11 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import suggest
+from latolato.core.registry import describe, flattened, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
+from latolato.figures.analyses.stored_system import system_of
 from latolato.physics.pendulum import Pendulum
+from latolato.simulation.vary import DERIVED
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -98,6 +100,19 @@ class Context:
         }
         return along[self.x], along[self.y]
 
+    def plain(self, curve: xr.Dataset) -> tuple[Any, Any]:
+        """Return amplitudes [m] and frequencies [rad/s] along a curve over x and y."""
+        given = {name: curve[name].values for name in (self.x, self.y)}
+        if "drive_frequency" in given:
+            frequency = given["drive_frequency"]
+        else:
+            frequency = given["frequency_ratio"] * self.natural_frequency
+        if "drive_amplitude" in given:
+            return given["drive_amplitude"], frequency
+        if "amplitude_ratio" in given:
+            return given["amplitude_ratio"] * self.length, frequency
+        return given["drive_acceleration_ratio"] * self.gravity / frequency**2, frequency
+
 
 def _number(grid: xr.Dataset, name: str) -> float:
     """Return a parameter that does not vary over the picture."""
@@ -112,6 +127,63 @@ def _number(grid: xr.Dataset, name: str) -> float:
     if name not in grid.attrs:
         raise broken_rule("overlay_parameter", parameter=name)
     return float(grid.attrs[name])
+
+
+def draw_curve(axes: Axes, grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> Any:
+    """Draw a curve of bifurcations over a map, and return the entries of the legend.
+
+    Parameters
+    ----------
+    sides : pair of str
+        What the map varies to the right and upwards.
+
+    Raises
+    ------
+    InputError
+        If it is no such curve, of another system, or over other parameters.
+    """
+    from matplotlib.patheffects import Normal, Stroke
+
+    from latolato.figures.analyses.bifurcation_curve import draw_over
+
+    if curve.attrs.get("analysis") != "bifurcation_curve":
+        raise InputError(
+            "must be 'tongue', 'lift_off' or a result of bifurcation_curve", parameter="overlays"
+        )
+    _check_same(grid, sides, curve)
+    if all(side in curve for side in sides):
+        x, y = (curve[side].values for side in sides)
+    else:  # both are of amplitude and frequency, in other units
+        own = Context.of(curve, *map(str, curve.attrs["parameters"]))
+        x, y = Context.of(grid, *sides).place(*own.plain(curve))
+    limits = axes.get_xlim(), axes.get_ylim()
+    ground = [Stroke(linewidth=3.5, foreground=style.PAPER), Normal()]
+    handles = draw_over(axes, curve, x, y, path_effects=ground)
+    axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
+    return handles
+
+
+def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> None:
+    """Raise InputError if a curve is of another system than a map."""
+    varied = {*sides, *map(str, curve.attrs["parameters"])}
+    varied |= {DERIVED.get(name, name) for name in varied}
+    laws = describe(system_of(curve)) | {"system": "", "drive": ""}
+    for name in sorted(flattened(laws).keys() - varied):
+        scalar = name in grid.coords and not grid[name].ndim
+        here = grid[name].item() if scalar else grid.attrs.get(name)
+        there = curve.attrs.get(name)
+        if here != there and not _are_close(here, there):
+            raise InputError(
+                f"is of another system than the map: its {name} is {there}, that of the map {here}",
+                parameter="overlays",
+            )
+
+
+def _are_close(one: Any, other: Any) -> bool:
+    """Whether two values are numbers that differ by rounding only."""
+    both = isinstance(one, (int, float)) and isinstance(other, (int, float))
+    return both and math.isclose(one, other, rel_tol=1e-9)
 
 
 def draw(axes: Axes, context: Context, name: str) -> Any:

@@ -29,7 +29,7 @@ def plot(
     log: bool = False,
     curves: bool = False,
     select: Mapping[str, Any] | None = None,
-    overlays: Sequence[str] = (),
+    overlays: Sequence[str | xr.Dataset] = (),
     points: str | Path | None = None,
 ) -> Figure:
     """Return a figure of a run, of an analysis, or of one variable of a sweep over parameters.
@@ -56,9 +56,10 @@ def plot(
         Values of further dimensions, such as ``{"restitution": 0.9}``; the nearest one is
         taken and named in the title. A dimension without numbers takes its text or its index.
         A third dimension of one value needs no selection.
-    overlays : sequence of {"tongue", "lift_off"}
-        Curves over a map of amplitude and frequency: the edges of the primary tongue of eq14 with
-        the sweep's linear damping, and where the pivot's acceleration reaches gravity.
+    overlays : sequence of {"tongue", "lift_off"} or xarray.Dataset
+        Curves over a map: results of `bifurcation_curve` of the same system; of amplitude and
+        frequency the edges of the primary tongue of eq14 with the sweep's linear damping, and where
+        the pivot's acceleration reaches gravity.
     points : str or Path, optional
         A CSV of trials with the columns `drive_amplitude`, `drive_frequency` or
         `frequency_ratio`, and `class` (none, weak or strong).

@@ -92,7 +92,7 @@ def _option(option: Parameter) -> dict[str, Any]:
     """Return how an option of an analysis is shown, and what it may be."""
     default = "" if option.is_required or option.default is None else option.default
     if isinstance(default, (tuple, list)):
-        default = ", ".join(f"{value:g}" for value in default)
+        default = ", ".join(v if isinstance(v, str) else f"{v:g}" for v in default)
     description = _SI.sub("", option.description)
     shown = {
         "label": label_of(option.name, option.unit),
