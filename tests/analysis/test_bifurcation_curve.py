@@ -157,6 +157,19 @@ def test_a_ball_at_rest_lifts_off_where_the_pivot_falls_as_fast_as_it():
     assert set(curve.contacts.values) == {"R"}
 
 
+def test_dry_friction_holds_a_ball_longer():
+    rough = ll.LatoLato(
+        length=0.245, mass=0.106, radius=0.02, restitution=0.85, coulomb_damping=0.01
+    )
+    curve = bifurcation_curve(
+        rough, shake(2.9, 0.035, rough), kind="lift_off", low=(0.005, 1.0), high=(0.1, 8.0),
+        initial_angle=rough.contact_angle_low,
+    )  # fmt: skip
+    i = curve.sizes["point"] // 2
+    start = ll.analysis.self_start(rough, float(curve.frequency_ratio[i]))
+    assert float(curve.drive_amplitude[i]) == pytest.approx(float(start.drive_amplitude), rel=1e-6)
+
+
 def test_a_hanging_string_goes_slack_where_its_pivot_falls_freely():
     string = ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string")
     curve = bifurcation_curve(
@@ -173,6 +186,33 @@ def test_a_hanging_string_goes_slack_where_its_pivot_falls_freely():
         assert min(abs(float(ratio) - edge) for edge in edges) < 1e-7
 
 
+def test_a_swinging_string_first_goes_slack_at_the_horizontal():
+    string = ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string")
+    curve = bifurcation_curve(
+        string, shake(1.978, 0.197), kind="slack_onset", low=(0.1, 1.8), high=(0.3, 2.2), period=2,
+        initial_angle=0.0484, initial_angular_velocity=4.393, points=20,
+    )  # fmt: skip
+    assert curve.sizes["point"] == 20
+    np.testing.assert_allclose(curve.largest_angle, math.pi / 2, atol=1e-9)
+
+
+def test_a_special_point_of_a_branch_is_where_a_curve_begins():
+    drive = shake(1.85, 0.05)
+    branch = ll.analysis.continue_orbit(PENDULUM, drive, low=1.8, high=2.2)
+    curve = bifurcation_curve(
+        PENDULUM, drive, at=branch.special[1], low=(0.0, 1.7), high=(0.2, 2.3), points=20
+    )
+    assert curve.attrs["bifurcation"] == "period_doubling"
+    apart = np.abs(curve.frequency_ratio.values - float(branch.special_value[1]))
+    i = int(np.argmin(apart + np.abs(curve.drive_amplitude.values - 0.05)))
+    assert float(curve.drive_amplitude[i]) == pytest.approx(0.05, abs=1e-4)
+    assert apart[i] < 1e-3
+    with pytest.raises(InputError, match=r"must be a special point of continue_orbit"):
+        bifurcation_curve(PENDULUM, drive, at=branch, low=(0.0, 1.7), high=(0.2, 2.3))
+    with pytest.raises(InputError, match="kind is needed"):
+        bifurcation_curve(PENDULUM, drive, low=(0.0, 1.7), high=(0.2, 2.3))
+
+
 def test_no_bifurcation_near_a_start_is_said():
     with pytest.warns(RuntimeWarning, match="no fold of a motion of 1 drive periods was found"):
         curve = bifurcation_curve(
@@ -184,7 +224,7 @@ def test_no_bifurcation_near_a_start_is_said():
 
 
 def test_a_fold_asked_for_where_a_symmetry_breaks_is_singular():
-    with pytest.warns(RuntimeWarning, match="of another kind"):
+    with pytest.warns(RuntimeWarning, match="or it is no fold"):
         curve = bifurcation_curve(
             PENDULUM, shake(0.9897, 0.2955), kind="fold", low=(0.05, 0.5), high=(0.5, 1.5)
         )

@@ -12,7 +12,7 @@ import numpy as np
 from latolato.analysis.checks import check_vertical
 from latolato.analysis.conditions import Condition, Multiplier, Plane, Solution, Touch, closing_maps
 from latolato.analysis.curve import Curve, Place, Special
-from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
+from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of, varied
 from latolato.analysis.orbits import (
     CLOSED,
     PERIODS,
@@ -34,6 +34,7 @@ from latolato.simulation.vary import TARGETS
 if TYPE_CHECKING:
     import xarray as xr
 
+KINDS = ("fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset")
 QUANTITIES = {
     "is_edge": Quantity("1", "", "whether stable motions end there"),
     "contacts": Quantity("1", "", "kinds of the contacts in one period"),
@@ -53,10 +54,12 @@ def bifurcation_curve(
     *,
     kind: Literal[
         "fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"
-    ],
+    ]
+    | None = None,
     parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
     low: Sequence[float],
     high: Sequence[float],
+    at: xr.DataArray | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     period: Annotated[int, PERIODS] = 1,
@@ -76,18 +79,22 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        ``fold``: two motions meet and vanish, a multiplier is one. ``period_doubling``: a
-        multiplier is minus one. ``symmetry_breaking``: a motion that equals its image in a mirror
-        gives way to two that do not. ``grazing``: a ball touches the other one, or its image,
-        without speed. ``lift_off``: the force between balls at rest on each other touches zero.
-        ``slack_onset``: the least tension of a string touches zero.
+        By default that of `at`. ``fold``: two motions meet and vanish, a multiplier is one.
+        ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
+        its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
+        one, or its image, without speed. ``lift_off``: the force between balls at rest on each
+        other touches zero. ``slack_onset``: the least tension of a string touches zero.
     parameters : pair of str
         What is varied: parameters of system or drive, ``frequency_ratio``, ``amplitude_ratio`` or
         ``drive_acceleration_ratio``.
     low, high : pair of float
         The lowest and highest value of each, in its SI unit; the curve ends there.
+    at : xarray.DataArray, optional
+        A special point of `continue_orbit` of the same system and drive, as ``branch.special[0]``:
+        it brings its parameter's value, the motion and its period, and, if it is of one of the
+        kinds, ``kind``.
     initial_angle, initial_angular_velocity, period
-        Guess of the motion, as of `floquet`.
+        Guess of the motion without `at`, as of `floquet`.
     points : int
         Most points of the curve.
     contact, tolerance, rest_speed
@@ -142,6 +149,12 @@ def bifurcation_curve(
     complete 0.00998
     """
     check_vertical(drive)
+    if at is not None:
+        found = _brought(system, drive, at)
+        system, drive, initial_angle, initial_angular_velocity, period, brought = found
+        kind = kind or brought
+    if kind is None:
+        raise InputError("is needed", parameter="kind", way_out=f"one of {', '.join(KINDS)}")
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)
@@ -158,12 +171,13 @@ def bifurcation_curve(
         status = {"closed": "closed", "interrupted": "interrupted"}.get(ends[1], "complete")
     if status in ("not found", "singular"):
         words = kind.replace("_", " ")
-        at = ", ".join(f"{n} = {v:.6g}" for n, v in zip(plane.names, plane.values, strict=True))
+        pairs = zip(plane.names, plane.values, strict=True)
+        where = ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
         warn(
-            f"no {words} of a motion of {period} drive periods was found near {at}; begin at a "
+            f"no {words} of a motion of {period} drive periods was found near {where}; begin at a "
             "special point of continue_orbit"
             if status == "not found"
-            else f"two bifurcations fall on one point near {at}, or the {words} is of another kind"
+            else f"two bifurcations fall on one point near {where}, or it is no {words}"
         )
     return labelled(
         _variables(plane, condition, places, specials)
@@ -173,6 +187,23 @@ def bifurcation_curve(
         quantities=QUANTITIES | _quantities(plane),
         settings={"bifurcation": kind},
     )
+
+
+def _brought(
+    system: System, drive: Drive | None, at: xr.DataArray
+) -> tuple[System, Drive, Any, Any, int, Any]:
+    """Return laws, start, period and kind of a special point of a branch."""
+    is_point = getattr(at, "ndim", None) == 0 and "special_kind" in getattr(at, "coords", {})
+    if not is_point or drive is None:
+        raise InputError(
+            "must be a special point of continue_orbit", parameter="at", value=at,
+            way_out="give branch.special[0], and the drive of the branch",
+        )  # fmt: skip
+    system, drive = varied(system, drive, at.attrs["parameter"], float(at["special_value"]))
+    start = (at[f"special_initial_{name}"].values for name in ("angle", "angular_velocity"))
+    angle, velocity = (float(x) if x.ndim == 0 else tuple(map(float, x)) for x in start)
+    kind = str(at["special_kind"].item())
+    return system, drive, angle, velocity, int(at.attrs["period"]), kind if kind in KINDS else None
 
 
 def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
@@ -206,6 +237,14 @@ def _check_kind(flow: Flow, kind: str) -> None:
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
         raise InputError(
             "needs balls that can touch", parameter="kind", value=kind, way_out="use LatoLato"
+        )
+    drags = [ball.coulomb_damping for ball in flow.system.balls] if flow.size == 4 else [0.0]
+    if kind == "lift_off" and (flow.system.drag_frame == "lab" or any(drags)):
+        raise InputError(
+            "is not described for air at rest in the room, nor for dry friction of two balls",
+            parameter="kind",
+            value=kind,
+            way_out="compute self_start, or leave that drag out",
         )
     if kind == "slack_onset" and not flow.is_string:
         raise InputError(

@@ -388,10 +388,7 @@ class Touch(Condition):
         span = _SPAN * drive_period(flow.drive)
         nodes = 0.5 * span * (1.0 - np.cos(np.pi * np.arange(_NODES) / (_NODES - 1)))
         if self.kind == "lift_off" and flow.size == 2:
-            # A ball at rest is pressed against the wall below by gravity and the pivot together.
-            lifted = self._sampled(flow, start, nodes, "pivot_acceleration")[0]
-            sign = 1.0 if self.wall == 0 else -1.0
-            return _derivatives(nodes / span, sign * (1.0 + lifted / flow.system.gravity))
+            return _derivatives(nodes / span, self._pressed(flow, start, nodes))
         if self.kind == "lift_off":
             # Two balls that swing together: the acceleration with which they would part alone.
             forces = []
@@ -402,6 +399,17 @@ class Touch(Condition):
         if self.kind == "grazing":
             return self._clearance(flow, start, nodes)
         return _derivatives(nodes / span, self._sampled(flow, start, nodes, "tension")[self.ball])
+
+    def _pressed(self, flow: Flow, start: Floats, times: Floats) -> Floats:
+        """Return the force along the circle that holds one ball at a wall, over its weight's part.
+
+        Gravity and the pivot press it against the lower wall together; friction holds it too.
+        """
+        lifted = self._sampled(flow, start, times, "pivot_acceleration")[0]
+        ball, gravity = flow.system.balls[0], flow.system.gravity
+        friction = ball.coulomb_damping / (ball.mass * gravity * abs(math.sin(float(start[0]))))
+        sign = 1.0 if self.wall == 0 else -1.0
+        return np.asarray(sign * (1.0 + lifted / gravity) + friction)
 
     def _clearance(self, flow: Flow, start: Floats, nodes: Floats) -> Floats:
         """Return how far balls are from touching, and its derivatives, over natural units."""
@@ -452,9 +460,7 @@ class Touch(Condition):
             values = self._sampled(flow, solution.start, times, "tension", contact=flow.contact)
             return float(np.min(values[self.ball])) / weight
         if self.kind == "lift_off":
-            lifted = self._sampled(flow, solution.start, times, "pivot_acceleration")[0]
-            sign = 1.0 if self.wall == 0 else -1.0
-            return float(np.min(sign * (1.0 + lifted / flow.system.gravity)))
+            return float(np.min(self._pressed(flow, solution.start, times)))
         angles = self._sampled(
             flow, solution.start, times[times <= self.flight * duration], "angle"
         )

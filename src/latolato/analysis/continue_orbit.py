@@ -30,6 +30,10 @@ QUANTITIES = {
     "special_kind": Quantity("1", "", "what happens to the branch"),
     "special_value": Quantity("1", "", "where it happens"),
     "special_angle": Quantity("rad", r"\theta_{max}", "largest angle there"),
+    "special_initial_angle": Quantity("rad", r"\theta_0", "initial angle there"),
+    "special_initial_angular_velocity": Quantity(
+        "rad/s", r"\dot\theta_0", "initial angular velocity there"
+    ),
 }
 # Length of the first and of the shortest step along the branch.
 _FIRST, _SHORTEST = 1e-3, 1e-7
@@ -88,7 +92,9 @@ def continue_orbit(
         ``grazing``: an impact appears or vanishes, ``lift_off``: what was at rest all the time
         begins to move, ``rest_ends``: the last phase at rest appears or vanishes, ``slackens``: the
         least tension of a string along the orbit falls through zero), ``special_value`` in the
-        parameter's unit and ``special_angle``. ``status``: ``end of range``, ``points`` (more would
+        parameter's unit, ``special_angle``, ``special_initial_angle`` and
+        ``special_initial_angular_velocity``; ``special[0]`` holds all of them of the first point,
+        for `bifurcation_curve`. ``status``: ``end of range``, ``points`` (more would
         follow), ``closed`` (the branch is a loop), ``slackens`` (it ends there: slack balls move
         differently), ``lost`` (it ends here, as at grazing, or its steps became too short) or ``not
         found``.
@@ -159,7 +165,7 @@ def continue_orbit(
         warn(f"the branch was {status}{where}{hint}")
     variables = _variables(branch, places, specials) | {"status": status}
     about = known.quantity
-    return labelled(
+    result = labelled(
         variables,
         system=system,
         drive=drive,
@@ -170,6 +176,10 @@ def continue_orbit(
         },
         settings={"message": message},
     )
+    # Each special point holds all that a curve through it needs.
+    result = result.assign_coords(special=np.arange(len(specials)))
+    result["special"].attrs.update(parameter=parameter, period=period)
+    return result.set_coords([str(name) for name in result if str(name).startswith("special_")])
 
 
 def _follow(
@@ -242,7 +252,9 @@ def _variables(
     flow, parameter = branch.flow, branch.parameter
     two = flow.size == 4
     starts = np.array([branch.at_time_zero(p) for p in places]).reshape(-1, flow.size)
+    there = np.array([branch.at_time_zero(p) for _, p in specials]).reshape(-1, flow.size)
     per_ball = ("point", "ball") if two else ("point",)
+    per_special = ("special", "ball") if two else ("special",)
 
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
@@ -264,4 +276,6 @@ def _variables(
             "special",
             np.array([p.orbit.passage.largest_angle for _, p in specials]),
         ),
+        "special_initial_angle": (per_special, ball(there[:, 0::2])),
+        "special_initial_angular_velocity": (per_special, ball(there[:, 1::2])),
     }

@@ -44,7 +44,7 @@ def as_lines(dataset: xr.Dataset) -> dict[str, str]:
         lines["status"] = ""
     for name, variable in {**dataset.coords, **dataset.data_vars}.items():
         # Numbers of rows and names of balls need no line of their own.
-        if name not in dataset.coords or variable.dtype.kind == "f":
+        if name not in dataset.dims or variable.dtype.kind == "f":
             lines[str(name)] = _text_of(variable)
     if "message" in dataset.attrs:
         lines["message"] = str(dataset.attrs["message"])
