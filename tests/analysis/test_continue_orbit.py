@@ -303,3 +303,59 @@ def test_a_bounce_of_two_periods_ends_where_a_bounce_of_one_doubles_its_period()
     )  # fmt: skip
     assert list(doubled.special_kind.values) == ["period_doubling"]
     assert doubled.special_value.item() == pytest.approx(flip, abs=1e-6)
+
+
+def test_the_branches_that_leave_a_tongue_are_one_swing_of_twice_the_period():
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=1.85 * NATURAL)
+    hanging = continue_orbit(PENDULUM, drive, low=1.5, high=2.3)
+    left, right = (
+        continue_orbit(PENDULUM, drive, low=1.0, high=2.3, at=hanging.special[k], points=300)
+        for k in range(2)
+    )
+    for swing, edge in zip((left, right), hanging.special_value.values, strict=True):
+        assert swing.frequency_ratio.values[0] == pytest.approx(edge, abs=1e-12)
+        # It leaves along the motion: the parameter changes with the square of the angle.
+        bent = (swing.frequency_ratio.values[1:6] - edge) / swing.largest_angle.values[1:6] ** 2
+        np.testing.assert_allclose(bent, bent[-1], rtol=0.01)
+    # Softening: at the right edge stable swings grow out of the tongue, at the left unstable ones.
+    assert right.is_stable.values[5] == 1
+    assert left.is_stable.values[5] == 0
+    # Both are the same branch, which folds once; found from a start on it by another way.
+    swinging = continue_orbit(
+        PENDULUM,
+        drive,
+        low=1.0,
+        high=1.9,
+        direction="down",
+        period=2,
+        initial_angle=0.9,
+        points=300,
+    )
+    fold = swinging.special_value.values[list(swinging.special_kind.values).index("fold")]
+    assert list(left.special_kind.values) == list(right.special_kind.values) == ["fold"]
+    assert left.special_value.item() == pytest.approx(fold, abs=1e-8)
+    assert right.special_value.item() == pytest.approx(fold, abs=1e-8)
+
+
+def test_a_bouncing_toy_doubles_its_period_twice():
+    toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.85)
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.2 * toy.natural_frequency)
+    bounce = continue_orbit(
+        toy, drive, low=0.5, high=6.0, initial_angle=0.3177, initial_angular_velocity=5.398
+    )
+    twice = continue_orbit(toy, drive, low=0.5, high=6.0, at=bounce.special[0], points=60)
+    assert list(twice.special_kind.values) == ["period_doubling"]
+    assert set(twice.impacts.values) == {2}
+    # Between both doublings a run settles on it, from a start beside it.
+    ratio = 0.5 * (bounce.special_value.item() + twice.special_value.item())
+    run = ll.analysis.response_period(
+        toy, ll.Harmonic(drive_amplitude=0.03, drive_frequency=ratio * toy.natural_frequency),
+        initial_angle=0.12,
+    )  # fmt: skip
+    assert run.response_period.item() == 2.0
+
+
+def test_a_branch_begins_at_special_points_only():
+    drive = ll.Harmonic(drive_amplitude=0.05, drive_frequency=1.85 * NATURAL)
+    with pytest.raises(InputError, match="must be a special point of continue_orbit"):
+        continue_orbit(PENDULUM, drive, low=1.5, high=2.3, at=1)

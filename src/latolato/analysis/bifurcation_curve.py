@@ -5,14 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal
+from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 
 from latolato.analysis.checks import check_vertical
 from latolato.analysis.conditions import Condition, Multiplier, Plane, Solution, Touch, closing_maps
 from latolato.analysis.curve import Curve, Place, Special
-from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of, varied
+from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
 from latolato.analysis.orbits import (
     CLOSED,
     PERIODS,
@@ -21,6 +21,7 @@ from latolato.analysis.orbits import (
     multipliers_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.special_point import SpecialPoint
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
@@ -34,7 +35,8 @@ from latolato.simulation.vary import TARGETS
 if TYPE_CHECKING:
     import xarray as xr
 
-KINDS = ("fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset")
+Kind = Literal["fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"]
+KINDS: tuple[Kind, ...] = get_args(Kind)
 QUANTITIES = {
     "is_edge": Quantity("1", "", "whether stable motions end there"),
     "contacts": Quantity("1", "", "kinds of the contacts in one period"),
@@ -52,10 +54,7 @@ def bifurcation_curve(
     system: System,
     drive: Drive | None = None,
     *,
-    kind: Literal[
-        "fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"
-    ]
-    | None = None,
+    kind: Kind | None = None,
     parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
     low: Sequence[float],
     high: Sequence[float],
@@ -150,9 +149,10 @@ def bifurcation_curve(
     """
     check_vertical(drive)
     if at is not None:
-        found = _brought(system, drive, at)
-        system, drive, initial_angle, initial_angular_velocity, period, brought = found
-        kind = kind or brought
+        special = SpecialPoint.of(at, system, drive)
+        system, drive, period = special.system, special.drive, special.period
+        initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
+        kind = kind or next((each for each in KINDS if each == special.kind), None)
     if kind is None:
         raise InputError("is needed", parameter="kind", way_out=f"one of {', '.join(KINDS)}")
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
@@ -187,23 +187,6 @@ def bifurcation_curve(
         quantities=QUANTITIES | _quantities(plane),
         settings={"bifurcation": kind},
     )
-
-
-def _brought(
-    system: System, drive: Drive | None, at: xr.DataArray
-) -> tuple[System, Drive, Any, Any, int, Any]:
-    """Return laws, start, period and kind of a special point of a branch."""
-    is_point = getattr(at, "ndim", None) == 0 and "special_kind" in getattr(at, "coords", {})
-    if not is_point or drive is None:
-        raise InputError(
-            "must be a special point of continue_orbit", parameter="at", value=at,
-            way_out="give branch.special[0], and the drive of the branch",
-        )  # fmt: skip
-    system, drive = varied(system, drive, at.attrs["parameter"], float(at["special_value"]))
-    start = (at[f"special_initial_{name}"].values for name in ("angle", "angular_velocity"))
-    angle, velocity = (float(x) if x.ndim == 0 else tuple(map(float, x)) for x in start)
-    kind = str(at["special_kind"].item())
-    return system, drive, angle, velocity, int(at.attrs["period"]), kind if kind in KINDS else None
 
 
 def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:

@@ -158,6 +158,16 @@ class Branch:
         like[-1] = place.tangent[-1]
         return self.place(again, place.value, like)
 
+    def leaving(self, place: Place) -> Place:
+        """Return a special point with the direction in which another branch leaves.
+
+        That is the eigenvector of the multiplier one; the parameter changes in second order only.
+        """
+        scale = self.scale[:-1]
+        values, vectors = np.linalg.eig(place.orbit.passage.matrix * scale / scale[:, None])
+        direction = np.real(vectors[:, np.argmin(np.abs(values - 1.0))])
+        return replace(place, tangent=np.append(direction / np.linalg.norm(direction), 0.0))
+
     def at_time_zero(self, place: Place) -> Floats:
         """Return the state of a point at time zero."""
         orbit = place.orbit

@@ -14,6 +14,7 @@ from latolato.analysis.floquet import shorter_period, smallest_period
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.special_point import SpecialPoint
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
@@ -35,6 +36,8 @@ QUANTITIES = {
         "rad/s", r"\dot\theta_0", "initial angular velocity there"
     ),
 }
+# Where another branch leaves.
+_SPLITS = ("period_doubling", "symmetry_breaking", "branch_point")
 # Length of the first and of the shortest step along the branch.
 _FIRST, _SHORTEST = 1e-3, 1e-7
 # A branch that cannot go on this near to an end of the range, as a share of it, has reached it.
@@ -50,6 +53,7 @@ def continue_orbit(
     low: Annotated[float, UnitOf("parameter")],
     high: Annotated[float, UnitOf("parameter")],
     direction: Literal["up", "down"] = "up",
+    at: xr.DataArray | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
@@ -74,8 +78,13 @@ def continue_orbit(
         Its lowest and highest value on the branch, in the parameter's SI unit.
     direction : {"up", "down"}
         Where the parameter goes at first; a fold may turn it round.
+    at : xarray.DataArray, optional
+        A special point of another branch of the same system and drive, as ``branch.special[0]``:
+        the branch begins there, in place of the values of system and drive and of a guess. From a
+        period doubling it is that of twice the period, from a broken symmetry or a branch point the
+        one that leaves there; both of its halves begin alike, and `direction` has no meaning then.
     initial_angle, initial_angular_velocity, initial_offset, period
-        Guess of the first orbit, as of `floquet`.
+        Guess of the first orbit without `at`, as of `floquet`.
     points : int
         Most points of the branch.
     contact, tolerance, rest_speed
@@ -128,6 +137,14 @@ def continue_orbit(
     ['period_doubling'] [1.909946]
     """
     check_vertical(drive)
+    leaves = False
+    if at is not None:
+        special = SpecialPoint.of(at, system, drive)
+        system, drive, period = special.system, special.drive, special.period
+        initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
+        leaves = special.kind in _SPLITS
+        if special.kind == "period_doubling":
+            period = int(checked_number("period", 2 * period, PERIODS, ""))
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     drive = flow.drive
     begun = value_of(system, drive, parameter)
@@ -154,6 +171,8 @@ def continue_orbit(
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
         places[0] = branch.rescaled(branch.begin_between_contacts(places[0]) or places[0])
+        if leaves:
+            places[0] = branch.leaving(places[0])
         status = _follow(branch, places, specials, points)
     if status in ("not found", "lost"):
         where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
@@ -205,7 +224,8 @@ def _follow(
                 places[-1] = restarted = moved
                 length = _FIRST
             continue
-        passed = branch.specials(place, new, length)
+        # A branch that leaves another one, along no parameter, begins at a special point of that.
+        passed = branch.specials(place, new, length) if place.tangent[-1] != 0.0 else []
         slack = branch.until_slack(place, new, length) if new.orbit.slackens else None
         if slack is not None and low <= slack.value <= high:
             reach = slack.step_from(place, branch.scale)
