@@ -181,20 +181,24 @@ class Branch:
     def slope(self, start: Floats, value: float, turns: int) -> Floats:
         """Return how the gap changes with the parameter, scaled, by differences.
 
-        Central, or to one side where the parameter cannot be larger or smaller.
+        Central, or to one side where the parameter cannot be larger or smaller, or where another
+        contact appears on the other side.
         """
-        gaps, shares = [], []
+        shares, gaps, words = [], [], []
         for share in (1.0, -1.0, 0.0):
             try:
                 flow, duration = self.at(value + share * _DIFFERENCE * self.scale[-1])
             except InputError:
                 continue
             x = confined(flow, start)
-            gaps.append(gap_of(x, flow.follow(x, duration).end, turns))
+            passage = flow.follow(x, duration)
             shares.append(share)
-            if len(gaps) == 2:
+            gaps.append(gap_of(x, passage.end, turns))
+            words.append(passage.contact_kinds.tolist())
+            if len(gaps) == 2 and words[0] == words[1]:
                 break
-        slope = (gaps[0] - gaps[1]) / ((shares[0] - shares[1]) * _DIFFERENCE)
+        first = next((i for i, word in enumerate(words[:-1]) if word == words[-1]), 0)
+        slope = (gaps[first] - gaps[-1]) / ((shares[first] - shares[-1]) * _DIFFERENCE)
         return np.asarray(slope / self.scale[:-1])
 
     def correct(self, place: Place, length: float) -> Place | None:
