@@ -327,14 +327,19 @@ class Touch(Condition):
         """Return what of a state is not said by the touch."""
         return state if self.kind == "slack_onset" else state[2:]
 
-    def state(self, free: Floats, flow: Flow) -> Floats:
-        """Return the state at the touch."""
+    def ends(self, free: Floats, flow: Flow, values: Floats) -> tuple[Floats, Floats]:
+        """Return the states after and before the touch, which are one where nothing is hit."""
         if self.kind == "slack_onset":
-            return free
+            return free, free
         wall = flow.walls[self.wall]
-        if flow.size == 2:
-            return np.array([wall, 0.0])
-        return np.array([free[0] + wall, free[1], free[0], free[1]])
+        state = [wall, 0.0] if flow.size == 2 else [free[0] + wall, free[1], free[0], free[1]]
+        return np.array(state), np.array(state)
+
+    def settle(self, solution: Solution) -> None:
+        """Let the flight past the touch end halfway to the nearest other contact."""
+        duration, times = self.duration(solution.flow), solution.passage.contact_times
+        nearest = float(np.min(np.minimum(times, duration - times), initial=math.inf))
+        self.flight = min(_FLIGHT, 0.5 * nearest / duration) or _FLIGHT
 
     def at(self, unknowns: Floats) -> Solution | None:
         """Return the motion begun at a touch."""
@@ -344,13 +349,13 @@ class Touch(Condition):
             flow = self.plane.at(values, turn)
         except InputError:
             return None
-        start = self.state(free, flow)
+        start, end = self.ends(free, flow, values)
         passage = self._around(flow, start)
         if passage is None:
             return None
         if self.turns is None:
-            self.turns = turns_of(flow, start, passage.end)
-        gap = gap_of(start, passage.end, self.turns) / self.measure
+            self.turns = turns_of(flow, end, passage.end)
+        gap = gap_of(end, passage.end, self.turns) / self.measure
         touched = self._touched(flow, start)
         if self.kind == "grazing":
             missed = gap
@@ -375,8 +380,8 @@ class Touch(Condition):
             passage = each.follow(state, share * duration)
             if not passage.is_complete:
                 return None
-            way, state = passage if way is None else joined(way, passage), passage.end
-            begun += share
+            way = passage if way is None else joined(way, passage, begun * duration)
+            state, begun = passage.end, begun + share
         return way
 
     def _touched(self, flow: Flow, start: Floats) -> Floats:
@@ -486,18 +491,18 @@ def later(flow: Flow, time: float) -> Flow:
     return replace(flow, drive=replace(drive, drive_phase=phase))
 
 
-def joined(first: Passage, second: Passage) -> Passage:
-    """Return two ways one after the other as one; times of contacts are those of the pieces."""
+def joined(first: Passage, second: Passage, begun: float) -> Passage:
+    """Return two ways one after the other as one; the second begins `begun` seconds later."""
     return replace(
         second,
         matrix=second.matrix @ first.matrix,
         spread=first.spread + second.spread,
         largest_angle=max(first.largest_angle, second.largest_angle),
-        contact_times=np.append(first.contact_times, second.contact_times),
+        contact_times=np.append(first.contact_times, begun + second.contact_times),
         contact_kinds=np.append(first.contact_kinds, second.contact_kinds),
         contact_values=np.concatenate([first.contact_values, second.contact_values], axis=1),
         grazes=first.grazes + second.grazes,
-        slack_time=min(first.slack_time, second.slack_time),
+        slack_time=min(first.slack_time, begun + second.slack_time),
     )
 
 

@@ -13,6 +13,7 @@ from latolato.analysis.checks import check_vertical
 from latolato.analysis.floquet import shorter_period, smallest_period
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
+from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.special_point import SpecialPoint
 from latolato.core.errors import InputError
@@ -42,6 +43,8 @@ _SPLITS = ("period_doubling", "symmetry_breaking", "branch_point")
 _FIRST, _SHORTEST = 1e-3, 1e-7
 # A branch that cannot go on this near to an end of the range, as a share of it, has reached it.
 _AT_END = 1e-6
+# A branch that comes to a graze this near to a former one, in its own units, runs into itself.
+_SAME = 1e-4
 
 
 @analyses.register("continue_orbit")
@@ -103,9 +106,9 @@ def continue_orbit(
         least tension of a string along the orbit falls through zero), ``special_value`` in the
         parameter's unit, ``special_angle``, ``special_initial_angle`` and
         ``special_initial_angular_velocity``; ``special[0]`` holds all of them of the first point,
-        for `bifurcation_curve`. ``status``: ``end of range``, ``points`` (more would
-        follow), ``closed`` (the branch is a loop), ``slackens`` (it ends there: slack balls move
-        differently), ``lost`` (it ends here, as at grazing, or its steps became too short) or ``not
+        for `bifurcation_curve`. ``status``: ``end of range``, ``points`` (more would follow),
+        ``closed`` (the branch is a loop, or runs into itself), ``slackens`` (it ends there: slack
+        balls move differently), ``lost`` (it ends here, or its steps became too short) or ``not
         found``.
 
     Raises
@@ -121,8 +124,10 @@ def continue_orbit(
     pitchfork if the orbits on both sides of the turning point are images of each other, and at a
     fold otherwise. Bouncing balls that hop by less than 0.1 rad are followed in units of their
     hops. Missed are two special points of the same kind within one step, and branches that are not
-    connected to the first orbit. At grazing the map has a square root: a branch may end there, with
-    the status ``lost``. If the first orbit has a shorter period that fits into `period`, so has its
+    connected to the first orbit. At a graze the map has a square root, and Newton's method fails;
+    one ball, or two that are mirror images, then go on with one impact more or less from the graze
+    itself, with the speed of the slow impact as an unknown. Two balls that differ are ``lost``
+    there. If the first orbit has a shorter period that fits into `period`, so has its
     branch, and the attribute ``message`` mentions it.
 
     Examples
@@ -174,6 +179,15 @@ def continue_orbit(
         if leaves:
             places[0] = branch.leaving(places[0])
         status = _follow(branch, places, specials, points)
+        while status == "lost" and _grazes(places, specials) and len(places) < points:
+            if _was_here(branch, specials):
+                status = "closed"
+                break
+            beyond = past_graze(branch, places[-1])
+            if beyond is None:
+                break
+            places.append(beyond)
+            status = _follow(branch, places, specials, points)
     if status in ("not found", "lost"):
         where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
         hint = "; try a start on the attractor"
@@ -247,6 +261,25 @@ def _follow(
                 return "closed"
         places[-1] = branch.rescaled(new, branch.scale[:-1])
     return "points"
+
+
+def _grazes(places: list[Place], specials: list[tuple[str, Place]]) -> bool:
+    """Whether a branch ended by a graze."""
+    return bool(specials) and specials[-1][0] == "grazing" and specials[-1][1] is places[-1]
+
+
+def _was_here(branch: Branch, specials: list[tuple[str, Place]]) -> bool:
+    """Whether the last special point of a branch is one of the former ones."""
+    last = specials[-1][1]
+    here = np.append(branch.at_time_zero(last), last.value) / branch.scale
+    return any(
+        kind == "grazing"
+        and abs(place.value - last.value) < _SAME * branch.scale[-1]
+        and np.linalg.norm(
+            np.append(branch.at_time_zero(place), place.value) / branch.scale - here
+        ) < _SAME
+        for kind, place in specials[:-1]
+    )  # fmt: skip
 
 
 def _end(branch: Branch, old: Place, length: float) -> Place:

@@ -86,6 +86,15 @@ class Curve:
             solution = self.condition.at(unknowns)
         return None
 
+    def at_value(self, guess: Floats, row: Floats) -> Place | None:
+        """Return the point of the curve whose distance to a guess is across a direction, or None.
+
+        Unlike along the curve, nothing is known of it yet.
+        """
+        solution = self.condition.at(guess)
+        place = None if solution is None else self._place(guess, solution)
+        return None if place is None else self._solved(place, guess, row)
+
     def is_singular(self, place: Place) -> bool:
         """Whether the equations leave more than one direction free."""
         sizes = np.linalg.svd(place.matrix, compute_uv=False)
