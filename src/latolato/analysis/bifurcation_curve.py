@@ -19,6 +19,7 @@ from latolato.analysis.orbits import (
     checked_guess,
     find_orbit,
     multipliers_of,
+    scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.special_point import SpecialPoint
@@ -45,8 +46,10 @@ QUANTITIES = {
 }
 # Samples of a motion in which the instant of a touch is looked for.
 _SAMPLES = 2000
-# A motion that misses to be closed by more than this is only a guess.
-_NEARLY_CLOSED = 1e-6
+# Where closed motions are looked for beside a guess, as shares of the parameters' ranges, and how
+# near they must be, in natural units.
+_BESIDE = (0.0, 3e-4, 3e-3)
+_NEAR = 0.05
 
 
 @analyses.register("bifurcation_curve")
@@ -237,13 +240,37 @@ def _check_kind(flow: Flow, kind: str) -> None:
 
 def _begun(plane: Plane, kind: str, guess: Floats, period: int) -> tuple[Condition, Floats | None]:
     """Return the equations of a kind of curve, and unknowns to begin with."""
-    orbit = find_orbit(plane.flow, guess, period, settles=False)
-    start = orbit.start if orbit.defect <= CLOSED else guess
     if kind in ("fold", "period_doubling", "symmetry_breaking"):
-        mirror, count = _map_of(plane.flow, start, kind, period)
+        start, values = _closed_near(plane, guess, period, beside=(0.0,))
+        flow = plane.at(values)
+        mirror, count = _map_of(flow, start, kind, period)
         condition = Multiplier(plane, mirror, count, 1.0 if kind == "fold" else -1.0)
-        return condition, condition.begin(start, plane.values)
-    return _touch_of(plane, kind, start, period)
+        return condition, condition.begin(start, values)
+    return _touch_of(plane, kind, *_closed_near(plane, guess, period, beside=_BESIDE), period)
+
+
+def _closed_near(
+    plane: Plane, guess: Floats, period: int, *, beside: Sequence[float]
+) -> tuple[Floats, Floats]:
+    """Return the start and the parameters of a closed motion near a guess, or else the guess.
+
+    Beyond a bifurcation there may be none: other values of the parameters are tried too, away by
+    these shares of their ranges.
+    """
+    for share in beside:
+        for side in np.vstack([np.eye(2), -np.eye(2)]):
+            values = plane.values + share * plane.width * side
+            try:
+                flow = plane.at(values)
+            except InputError:  # beyond what a parameter may be
+                continue
+            orbit = find_orbit(flow, guess, period, settles=False)
+            near = np.linalg.norm((orbit.start - guess) / scale_of(flow.system))
+            if orbit.defect <= CLOSED and near <= _NEAR:
+                return orbit.start, values
+            if share == 0.0:
+                break
+    return guess, plane.values
 
 
 def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, int]:
@@ -270,10 +297,10 @@ def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, 
 
 
 def _touch_of(
-    plane: Plane, kind: str, start: Floats, period: int
+    plane: Plane, kind: str, start: Floats, values: Floats, period: int
 ) -> tuple[Condition, Floats | None]:
     """Return the equations of a touch, begun at the instant where a motion nearly does."""
-    flow = plane.flow
+    flow = plane.at(values)
     duration = period * drive_period(flow.drive)
     times = np.linspace(0.0, duration, _SAMPLES, endpoint=False)
     two = flow.size == 4
@@ -303,7 +330,7 @@ def _touch_of(
     condition = Touch(plane, kind, period, wall=wall, ball=ball)
     state = np.array([angles[:, at], speeds[:, at]]).T.ravel()
     turn = flow.drive.drive_frequency * float(times[at])
-    return condition, condition.begin(state, turn, plane.values)
+    return condition, condition.begin(state, turn, values)
 
 
 def _least(values: Floats) -> tuple[int, int]:
