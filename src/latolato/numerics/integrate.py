@@ -48,6 +48,7 @@ from latolato.numerics.prepare import (
 )
 from latolato.numerics.run_record import (
     MOST_PARAMETERS,
+    STATE,
     Output,
     State,
     as_objects,
@@ -162,29 +163,50 @@ def choose_step(
     InputError
         If a run of this duration [s] would take too many.
     """
-    case = _case_of(system, drive, start, duration, law, tolerance=tolerance)
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    case = _case_of(system, bounds, start, duration, law, tolerance=tolerance)
     runs = prepared_runs(case, choose_stepper(system), compiled=compiled)
     return float(runs["settings"]["step"][0])
 
 
 def _case_of(
-    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, **numbers: Any
-) -> NDArray[Any]:
-    """Return the case of one run, whose start is taken as it is."""
+    system: System, bounds: tuple[float, float], start: Start, duration: float, law: ContactLaw,
+    **numbers: Any,
+) -> NDArray[Any]:  # fmt: skip
+    """Return the case of one run, whose start is taken as it is, with its drive's bounds."""
     return cases_of(
         system, law, angles=start.angles, velocities=start.velocities,
-        bounds=(drive.largest_acceleration, drive.fastest_frequency), duration=duration,
-        is_exact=1, **numbers,
+        bounds=bounds, duration=duration, is_exact=1, **numbers,
     )  # fmt: skip
 
 
-def prepared_case(
-    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, step: float
-) -> NDArray[Any]:
-    """Return the record of a run at time zero, of shape (1,), with steps of this length [s]."""
-    case = _case_of(system, drive, start, duration, law)
-    case["step"] = step
-    return prepared_runs(case, choose_stepper(system))
+def prepared_numbers(
+    laws: Sequence[tuple[System, Drive, Start]], duration: float, law: ContactLaw, step: float
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return settings, bodies and states at time zero of runs with steps of this length [s].
+
+    Arrays of shape (run,), (run, 4) and (run,), a row for each of the systems, drives and starts.
+    All runs have the bounds of the first one's drive.
+
+    Raises
+    ------
+    InputError
+        With what is wrong with one of the cases.
+    """
+    bounds = laws[0][1].largest_acceleration, laws[0][1].fastest_frequency
+    cases = np.zeros(len(laws), dtype=records.CASE)
+    for k, (system, _, start) in enumerate(laws):
+        cases[k] = _case_of(system, bounds, start, duration, law)[0]
+    cases["step"], none = step, empty_cases()
+    settings, states = (np.zeros(len(laws), dtype=dtype) for dtype in (records.SETTINGS, STATE))
+    bodies = np.zeros((len(laws), 4), dtype=records.BODY)
+    reported = np.zeros(len(laws), dtype=records.PROBLEM)
+    firsts = np.zeros(len(laws) + 1, dtype=np.int64)
+    prepare_cases(Cases(cases, none.segments, firsts, settings, bodies, states, reported))
+    for problem in reported:
+        if problem["number"] != problems.FINE:
+            raise problems.refusal(problem["number"], problem["values"])
+    return settings, bodies, states
 
 
 def laws_key(system: System) -> tuple[Formula, Formula]:
@@ -381,8 +403,8 @@ def integrate(
     stepper = choose_stepper(system)
     angles = system.angles
     case = _case_of(
-        system, drive, start, duration, law, rest_speed=rest_speed, follows_ledger=1,
-        follows_tension=not system.is_linear,
+        system, (drive.largest_acceleration, drive.fastest_frequency), start, duration, law,
+        rest_speed=rest_speed, follows_ledger=1, follows_tension=not system.is_linear,
     )  # fmt: skip
     for i, distance in enumerate(start.distances):
         case["initial_distance"][:, i] = distance

@@ -15,7 +15,6 @@ from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.stiction import add_compression
 from latolato.numerics.engine.taut_step import (
-    ANY_LENGTH,
     SHORTEST,
     TautStep,
     acceleration_with_drag,
@@ -23,7 +22,16 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import write_joint_matrix
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.run_record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN, Point, Run
+from latolato.numerics.run_record import (
+    ANY_LENGTH,
+    NOTHING,
+    PAIR_ROW,
+    RELEASE,
+    STICKING,
+    TURN,
+    Point,
+    Run,
+)
 from latolato.physics.pair import contact_torque, radial_push
 
 _TABLE = ANY_LENGTH + PAIR_ROW

@@ -28,9 +28,17 @@ from latolato.numerics.engine.gaps import THERE, Gaps
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut
-from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep, acceleration_with_drag
+from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.run_record import DELAY_ROWS, DRIFT_TIME, KICK, OFFSET, Point, Run
+from latolato.numerics.run_record import (
+    ANY_LENGTH,
+    DELAY_ROWS,
+    DRIFT_TIME,
+    KICK,
+    OFFSET,
+    Point,
+    Run,
+)
 from latolato.physics.damping import drift_changes_in_plane, drift_slopes_in_plane
 
 # A string goes slack by itself where its tension is below this share of what speed and gravity
