@@ -61,8 +61,8 @@ kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python -c "import numba, ziglang" 2>/dev/null || $(PIP) install -q -e ".[kernels]"
 	@$(BIN)/python .ci/kernels.py
 
-# One test a core: threads of the linear algebra would only get in each other's way.
-test test-all smoke: export OPENBLAS_NUM_THREADS := 1
+# One process a core: threads of the linear algebra would only get in each other's way.
+test test-all smoke docs wheel lowest: export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: test
 test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run the tests and the examples in docstrings
@@ -154,7 +154,12 @@ distclean: clean ## remove .venv as well
 $(STAMPS)/app $(STAMPS)/video $(STAMPS)/test $(STAMPS)/test-all $(STAMPS)/docs $(STAMPS)/mutants $(STAMPS)/dev: $(STAMPS)/%: pyproject.toml | $(STAMPS)/venv
 	@echo "installing latolato[$*] into $(VENV)"
 	@$(PIP) install -q -e ".[$*]"
-	@touch $@
+	@touch $@ $(HELD_IN_$*:%=$(STAMPS)/%)
+
+# What an extra holds is installed with it.
+HELD_IN_dev := test docs
+HELD_IN_test-all := test
+HELD_IN_mutants := test
 
 # Types of the pages' modules, read from their JSDoc; Node.js itself is in the extra `test`.
 $(STAMPS)/typescript: $(STAMPS)/dev

@@ -55,6 +55,8 @@ latolato synthesise --system pendulum --length 0.363 --mass 0.108 --damping 0.00
 latolato track clip.mp4 --balls 1 --length 0.363 --radius 0.0242 --output clip.csv
     --report clip.html
 latolato fit decay clip.csv --length 0.363 --mass 0.108 --plot decay.png
+latolato fit posterior clip.csv --system pendulum --length 0.363 --mass 0.108 --damping 0.00274
+    --unknown length --draws 100 --chains 2 --plot posterior.png
 """.replace("\n    ", " ")
 PLAY = """
 import latolato as ll

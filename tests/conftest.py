@@ -72,8 +72,8 @@ def pytest_configure(config):
 
 
 def pytest_collection_modifyitems(items):
-    """Begin with the figures, which take longest and share their pictures within a worker."""
-    items.sort(key=lambda item: item.path.parent.name not in ("figures", "report"))
+    """Begin with the paper: its figures take longest, and each worker draws what it needs once."""
+    items.sort(key=lambda item: item.path.parent.name != "paper")
 
 
 @pytest.fixture(scope="session", autouse=True)

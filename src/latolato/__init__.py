@@ -61,7 +61,9 @@ if TYPE_CHECKING:
     from latolato.experiment.fits.decay import fit_decay
     from latolato.experiment.fits.drive import fit_drive
     from latolato.experiment.fits.model import fit_model
+    from latolato.experiment.fits.posterior import fit_posterior
     from latolato.experiment.fits.restitution import fit_restitution
+    from latolato.experiment.predict import predict
     from latolato.experiment.track import track
     from latolato.experiment.trials import collect_trials
     from latolato.figures.animate import animate
@@ -81,12 +83,14 @@ _LATE: dict[str, str] = {
     "fit_decay": "latolato.experiment.fits.decay",
     "fit_drive": "latolato.experiment.fits.drive",
     "fit_model": "latolato.experiment.fits.model",
+    "fit_posterior": "latolato.experiment.fits.posterior",
     "fit_restitution": "latolato.experiment.fits.restitution",
     "collect_trials": "latolato.experiment.trials",
     "load": "latolato.io.files",
     "load_scenario": "latolato.scenario.scenario",
     "play": "latolato.app.widget",
     "plot": "latolato.figures.plot",
+    "predict": "latolato.experiment.predict",
     "save": "latolato.io.files",
     "scenarios": "latolato.scenario.scenario",
     "summarise": "latolato.simulation.summary",
@@ -141,12 +145,14 @@ __all__ = [
     "fit_decay",
     "fit_drive",
     "fit_model",
+    "fit_posterior",
     "fit_restitution",
     "load",
     "load_scenario",
     "map_boundary",
     "play",
     "plot",
+    "predict",
     "save",
     "scenarios",
     "simulate",

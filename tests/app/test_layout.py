@@ -73,41 +73,51 @@ def test_the_headline_asks_what_the_preset_asks(page):
 
 
 @pytest.mark.parametrize("view", ["toy", "held"])
-@pytest.mark.parametrize("size", [LAPTOP, {"width": 1920, "height": 1080}])
-def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, size):
-    open_view(page, "", view, size)
-    page.wait_for_timeout(200)
-    stage = page.locator(".stage").bounding_box()
-    assert 0.57 < stage["width"] / size["width"] < 0.63
-    assert page.locator("canvas.scene").bounding_box()["height"] > 0.45 * size["height"]
+def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view):
+    open_view(page, "", view)
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".chart"]
     seen += {"toy": [".scrub", ".drawers", ".more-curves"], "held": [".trick"]}[view]
-    boxes = [page.locator(each).first.bounding_box() for each in seen]
     knobs = page.locator(".knobs .knob")
     assert knobs.count() >= 3
-    boxes += [knobs.nth(k).bounding_box() for k in range(3)]
-    for box in boxes:
-        assert box["y"] >= 0
-        assert box["y"] + box["height"] <= size["height"]
+    parts = [*(page.locator(each).first for each in seen), *(knobs.nth(k) for k in range(3))]
+    for size in (LAPTOP, {"width": 1920, "height": 1080}):
+        page.set_viewport_size(size)
+        page.wait_for_timeout(200)
+        stage = page.locator(".stage").bounding_box()
+        assert 0.57 < stage["width"] / size["width"] < 0.63
+        assert page.locator("canvas.scene").bounding_box()["height"] > 0.45 * size["height"]
+        for part in parts:
+            box = part.bounding_box()
+            assert box["y"] >= 0, (size, part)
+            assert box["y"] + box["height"] <= size["height"], (size, part)
 
 
-@pytest.mark.parametrize(
-    "scenario,knobs",
-    [
-        ("toy", ["drive_amplitude", "drive_frequency", "restitution"]),
-        ("fig02", ["drive_amplitude", "drive_frequency", "damping"]),
-        ("fig12", ["drive_amplitude", "restitution", "initial_offset"]),
-        ("zeno", ["restitution", "initial_angle", "damping"]),
-        ("ballpair_asymmetric", ["drive_amplitude", "drive_frequency", "restitution"]),
-        ("ballpair_asymmetric&drive=fixed_pivot", ["restitution", "right_length", "left_length"]),
-        ("fig02&drive=fixed_pivot", ["initial_angle", "damping", "length"]),
-    ],
-)
-def test_every_toy_has_three_telling_knobs(page, scenario, knobs):
-    open_view(page, f"&scenario={scenario}&duration=3 s")
-    shown = page.evaluate("() => Object.keys(window.latolato.views.toy.knobs.all)")
-    assert [name for name in shown if name != "frequency_ratio"] == knobs
-    assert page.locator(".knobs .knob").count() == 3
+# The knobs of presets, and of those whose pivot is fixed.
+KNOBS = {
+    ("toy", ""): ["drive_amplitude", "drive_frequency", "restitution"],
+    ("fig12", ""): ["drive_amplitude", "restitution", "initial_offset"],
+    ("zeno", ""): ["restitution", "initial_angle", "damping"],
+    ("ballpair_asymmetric", ""): ["drive_amplitude", "drive_frequency", "restitution"],
+    ("ballpair_asymmetric", "fixed_pivot"): ["restitution", "right_length", "left_length"],
+    ("fig02", ""): ["drive_amplitude", "drive_frequency", "damping"],
+    ("fig02", "fixed_pivot"): ["initial_angle", "damping", "length"],
+}
+
+
+def test_every_toy_has_three_telling_knobs(page):
+    open_view(page, "")
+    for (scenario, drive), knobs in KNOBS.items():
+        page.evaluate(
+            """([scenario, drive]) => window.latolato.views.toy.page.store.set(
+              { scenario, options: { duration: "3 s", ...(drive && { drive }) } })""",
+            [scenario, drive],
+        )
+        shown = "Object.keys(window.latolato.views.toy.knobs.all)"
+        page.wait_for_function(
+            f"(knobs) => {shown}.filter((name) => name !== 'frequency_ratio').join() === knobs",
+            arg=",".join(knobs),
+        )
+        assert page.locator(".knobs .knob").count() == 3
 
 
 def test_shakes_per_second_and_the_frequency_ratio_follow_each_other(page):
@@ -250,12 +260,14 @@ PLACES = f"""() => {{
 }}"""
 
 
-@pytest.mark.parametrize("size", [LAPTOP, PHONE])
-def test_the_slider_stands_below_the_instant_of_the_curve(page, size):
-    open_view(page, "&scenario=fig02&duration=60 s", size=size)
-    for pivot in (False, True):
-        if pivot:
-            page.get_by_role("button", name="Pivot", exact=True).click()
+def test_the_slider_stands_below_the_instant_of_the_curve(page):
+    open_view(page, "&scenario=fig02&duration=60 s")
+    for size, pivot in ((PHONE, False), (LAPTOP, False), (LAPTOP, True), (PHONE, True)):
+        page.set_viewport_size(size)
+        button = page.get_by_role("button", name="Pivot", exact=True)
+        if pivot != (button.get_attribute("aria-pressed") == "true"):
+            button.click()
+        page.wait_for_timeout(200)  # the curve is laid out again
         for time in (0.0, 5.3, 17.0):
             page.evaluate(f"t => {PLAYER}.clock.seek(t)", time)
             page.wait_for_timeout(50)
@@ -426,43 +438,44 @@ def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, vie
 
 
 @pytest.mark.parametrize("view", ["toy", "held"])
-@pytest.mark.parametrize(
-    "size",
-    [{"width": 844, "height": 390}, {"width": 683, "height": 384}, {"width": 195, "height": 422}],
-)  # a phone on its side, a laptop and a phone at 200 %
-def test_small_windows_show_the_stage_and_cut_nothing_off(page, view, size):
-    open_view(page, "", view, size)
-    page.wait_for_timeout(200)
-    stage = page.locator(".stage").bounding_box()
-    assert min(stage["y"] + stage["height"], size["height"]) - stage["y"] > 100
-    wide = page.evaluate(
-        """() => [...document.querySelectorAll(".desk *")].filter((each) => each.checkVisibility()
-          && !each.closest(".stage-tools")  // they scroll by themselves
-          && each.getBoundingClientRect().right > innerWidth + 1).map((each) => each.outerHTML)"""
-    )
-    assert wide == []
+def test_small_windows_show_the_stage_and_cut_nothing_off(page, view):
+    open_view(page, "", view)
+    # A phone on its side, a laptop and a phone at 200 %.
+    for width, height in ((844, 390), (683, 384), (195, 422)):
+        page.set_viewport_size({"width": width, "height": height})
+        page.wait_for_timeout(200)
+        stage = page.locator(".stage").bounding_box()
+        assert min(stage["y"] + stage["height"], height) - stage["y"] > 100, width
+        wide = page.evaluate(
+            """() => [...document.querySelectorAll(".desk *")].filter((each) =>
+              each.checkVisibility()
+              && !each.closest(".stage-tools")  // they scroll by themselves
+              && each.getBoundingClientRect().right > innerWidth + 1)
+              .map((each) => each.outerHTML)"""
+        )
+        assert wide == [], width
 
 
-@pytest.mark.parametrize("size", [LAPTOP, PHONE, {"width": 683, "height": 384}])
-def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page, size):
-    open_view(page, "&unknown=1", size=size)
+def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page):
+    open_view(page, "&unknown=1")
     page.locator(".stage-messages .message").wait_for()
     page.get_by_label("Arrows").check()
+    for size in (PHONE, {"width": 683, "height": 384}, LAPTOP):
+        page.set_viewport_size(size)
+        page.wait_for_timeout(200)
+        picture = page.locator("canvas.scene").bounding_box()
+        assert picture["height"] >= 100
+        for each in (".stage-tools > *", ".stage-messages", ".of-arrows"):
+            for part in page.locator(each).all():
+                box = part.bounding_box()
+                assert (
+                    box["y"] >= picture["y"] + picture["height"] - 0.5
+                    or box["x"] >= picture["x"] + picture["width"] - 0.5
+                ), (size, each)
     curve = page.locator(".timeline").bounding_box()
-    page.wait_for_timeout(100)
-    picture = page.locator("canvas.scene").bounding_box()
-    assert picture["height"] >= 100
-    for each in (".stage-tools > *", ".stage-messages", ".of-arrows"):
-        for part in page.locator(each).all():
-            box = part.bounding_box()
-            assert (
-                box["y"] >= picture["y"] + picture["height"] - 0.5
-                or box["x"] >= picture["x"] + picture["width"] - 0.5
-            )
     page.get_by_role("button", name="Dismiss this message").click()
     page.get_by_label("Arrows").uncheck()
-    if size == LAPTOP:
-        assert page.locator(".timeline").bounding_box() == curve
+    assert page.locator(".timeline").bounding_box() == curve
 
 
 @pytest.mark.parametrize("view", ["toy", "held"])

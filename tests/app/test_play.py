@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import re
@@ -184,27 +185,26 @@ PHASE = """(time) => {
 }"""
 
 
-@pytest.mark.parametrize("width", [1280, 390])
-def test_the_phase_portrait_goes_through_its_marks_in_both_themes(page, width):
-    page.set_viewport_size({"width": width, "height": 900})
+def test_the_phase_portrait_goes_through_its_marks_in_both_themes(page):
     open_play(page, "&scenario=ballpair_asymmetric&duration=2%20s")
     page.get_by_text("Energy and more curves", exact=True).click()
     page.locator(".more-curves tbody tr").first.wait_for()
     run = ll.load_scenario("ballpair_asymmetric").simulate(duration=2.0)
-    for scheme in ("light", "dark"):
+    for width, scheme in itertools.product((1280, 390), ("light", "dark")):
+        page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme=scheme)
-        page.wait_for_timeout(100)  # the theme is applied, and drawn
+        page.wait_for_timeout(200)  # size and theme are applied, and drawn
         for time in (0.1, 0.45, 1.8):  # not near a contact
             found = page.evaluate(PHASE, time)
             for ball in ("right", "left"):
-                assert found[ball]["isDrawn"], (scheme, time, ball)
+                assert found[ball]["isDrawn"], (width, scheme, time, ball)
                 near = run.sel(ball=ball)
                 wanted = [
                     np.interp(time, run["time"], values)
                     for values in (np.degrees(near["angle"]), near["angular_velocity"])
                 ]
                 off = np.subtract(found[ball]["place"], wanted) / found[ball]["pixels"]
-                assert np.abs(off).max() < 1.5, (scheme, time, ball)
+                assert np.abs(off).max() < 1.5, (width, scheme, time, ball)
 
 
 CURSOR = """(share) => {
@@ -560,15 +560,14 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
     assert sides == pytest.approx([1.0, 1.0], abs=1e-5)
 
 
-@pytest.mark.parametrize("width", [390, 1280])
-def test_play_is_accessible_and_fits_the_screen(page, width):
-    page.set_viewport_size({"width": width, "height": 900})
+def test_play_is_accessible_and_fits_the_screen(page):
     open_play(page, "&scenario=ballpair_asymmetric&duration=10%20s")
-    for scheme in ("light", "dark"):
+    for width, scheme in itertools.product((1280, 390), ("light", "dark")):
+        page.set_viewport_size({"width": width, "height": 900})
         page.emulate_media(color_scheme=scheme)
         page.wait_for_timeout(300)
-        assert serious_faults(page) == []
-    assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+        assert serious_faults(page) == [], (width, scheme)
+        assert page.evaluate("() => document.documentElement.scrollWidth") <= width
 
 
 def test_play_needs_no_server_once_it_is_there(browser):
@@ -613,15 +612,15 @@ def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
         context.close()
 
 
-@pytest.mark.parametrize("width", [360, 390])
-def test_the_header_of_a_phone_leaves_room_for_the_page(page, width):
-    page.set_viewport_size({"width": width, "height": 844})
+def test_the_header_of_a_phone_leaves_room_for_the_page(page):
     open_play(page)
-    assert page.locator("header.top").bounding_box()["height"] < 100
-    for link in page.get_by_role("navigation", name="Views").get_by_role("link").all():
-        box = link.bounding_box()
-        assert box["x"] >= 0
-        assert box["x"] + box["width"] <= width
+    for width in (390, 360):
+        page.set_viewport_size({"width": width, "height": 844})
+        assert page.locator("header.top").bounding_box()["height"] < 100
+        for link in page.get_by_role("navigation", name="Views").get_by_role("link").all():
+            box = link.bounding_box()
+            assert box["x"] >= 0
+            assert box["x"] + box["width"] <= width
 
 
 def test_a_decimal_comma_is_read_where_one_number_belongs(page):

@@ -233,6 +233,19 @@ def test_one_variable_of_a_run_is_drawn_by_its_name(hung):
     assert {"right ball", "left ball"} <= set(lines(ll.plot(pair, "angle").axes[0]))
 
 
+def test_derivatives_of_a_run_have_a_panel_for_each_parameter():
+    pair = ll.BallPair(right=BALL, left=BALL)
+    asked = ["restitution", "right_length"]
+    run = ll.simulate(pair, initial_angle=(0.5, -0.4), duration=2.0, sensitivity_to=asked)
+    panels = ll.plot(run, "angle_sensitivity").axes
+    titles = [axes.get_title(loc="left") for axes in panels]
+    words = [name.replace("_", " ") for name in asked]
+    assert titles == [f"Derivative of the angle with respect to {word}" for word in words]
+    assert [axes.get_ylabel().split("[")[1] for axes in panels] == ["rad]", "rad per m]"]
+    drawn = panels[1].get_lines()[1].get_ydata()
+    np.testing.assert_array_equal(drawn, run.angle_sensitivity.sel(ball="left")[1])
+
+
 def test_the_tension_of_a_rod_is_never_drawn_as_that_of_a_string():
     rod = ll.simulate(TOY, STRONG, initial_angle=0.5, duration=3.0)
     assert float(rod.tension.min()) < 0.0

@@ -81,6 +81,11 @@ def pair(path):
     write_table(motion_table(TOY, FAST_SHAKE, fps=240.0, initial_angle=0.6, size=NOISE), path)
 
 
+def toy_table(path):
+    run = {"duration": 2.0, "initial_angle": 0.6, "size": NOISE}
+    write_table(motion_table(TOY, FAST_SHAKE, **run), path)
+
+
 def columns(path, header, *values, separator=","):
     rows = [separator.join(f"{x:.9g}" for x in row) for row in zip(*values, strict=True)]
     path.write_text("\n".join([separator.join(header), *rows]) + "\n", encoding="utf-8")
@@ -178,6 +183,7 @@ MAKERS: dict[str, Callable[[Path], None]] = {
     "cut.csv": cut,
     "driven.csv": driven,
     "pair.csv": pair,
+    "toy.csv": toy_table,
     "experiment": many_driven,
     "single": many_driven,
     "tracker.txt": tracker_export,

@@ -87,9 +87,15 @@ def test_drive(page, answer, drive):
 
 @pytest.mark.parametrize("scenario", SWEEPS)
 def test_map(page, answer, scenario):
-    page.goto(f"/?view=map&map.scenario={scenario}&map.size=12&map.duration=20&map.transient=10")
+    page.goto(f"/?view=map&map.scenario={scenario}&map.size=12")
     wait_for(page, "[data-done]")
+    wait_for(page, "[data-runs]")
     answer(page.locator(".bar-title").inner_text())
+    box = page.locator("canvas.map").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.3 * box["height"])
+    wait_for(page, "[data-runs='2']")
+    assert page.locator(".message:visible").count() == 0
+    assert page.get_by_role("button", name="Open in Toy").is_enabled()
     assert_panels_have_room(page)
 
 

@@ -10,7 +10,14 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from latolato.cli.law_options import laws_of
-from latolato.cli.options import ColumnOption, JsonOption, OutputOption, PlotOption, columns_of
+from latolato.cli.options import (
+    ColumnOption,
+    JsonOption,
+    OutputOption,
+    PlotOption,
+    columns_of,
+    values_of,
+)
 from latolato.cli.output import Targets, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
 
@@ -40,6 +47,8 @@ class FitGroup(RegistryGroup):
 
         kind = self.entries()[name]
         own = options_of(kind.function)
+        if "prior" in kind.parameters:
+            own["prior"] = prior_option()
 
         def fit(
             table: TableArgument,
@@ -69,6 +78,21 @@ class FitGroup(RegistryGroup):
         return command_of(name, kind.function, fit, own, without=unfit)
 
 
+def prior_option() -> Parameter:
+    """Return the option of what is known beforehand, which names and values are written for."""
+    from latolato.core.parameters import Parameter
+    from latolato.core.quantities import ANY, Quantity
+
+    return Parameter(
+        name="prior",
+        kind=str,
+        description='standard deviation of an unknown parameter about its value: "length = 2 mm"',
+        quantity=Quantity("", "", "prior"),
+        allowed=ANY,
+        several=True,
+    )
+
+
 def arguments_of(
     kind: FitKind, own: Mapping[str, Parameter], values: Mapping[str, Any]
 ) -> dict[str, Any]:
@@ -80,6 +104,11 @@ def arguments_of(
         if option.several and option.kind is str and name in arguments:
             # Names of parameters, which options spell with dashes.
             arguments[name] = [text.replace("-", "_") for text in arguments[name]]
+    if values.get("prior"):
+        from latolato.scenario.options import law_options
+
+        numbers = {name: option for name, option in law_options().items() if option.is_number}
+        arguments["prior"] = values_of("--prior", values["prior"], numbers)
     if "system" in kind.parameters:
         from latolato.physics.pendulum import systems
 

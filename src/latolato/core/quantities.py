@@ -316,6 +316,8 @@ QUANTITIES: dict[str, Quantity] = {
     "damping_envelope": Quantity("kg*m/s", "C_{env}", "damping coefficient by the envelope"),
     "decay_rate_envelope": Quantity("1/s", "k_{env}", "amplitude decay rate by the envelope"),
     "angle_fit": Quantity("rad", r"\theta_{fit}", "fitted angle"),
+    "band_low": Quantity("rad", r"\theta_{2.5\,\%}", "low end of the 95 % band of the angle"),
+    "band_high": Quantity("rad", r"\theta_{97.5\,\%}", "high end of the 95 % band of the angle"),
     "angle_residual": Quantity("rad", r"\Delta\theta", "measured minus fitted angle"),
     "is_outlier": Quantity("1", "", "whether a sample was left out"),
     "swing_time": Quantity("s", "t_n", "time of a turning point"),

@@ -255,6 +255,8 @@ class Drawing:
     @property
     def limits(self) -> tuple[float, float]:
         """Ends of the colour scale."""
+        if self.name.startswith("probability_") and not self.log:
+            return 0.0, 1.0
         usable = self.values[np.isfinite(self.values) & ((self.values > 0.0) | (not self.log))]
         if not usable.size:
             return (0.1, 1.0) if self.log else (0.0, 1.0)

@@ -45,7 +45,8 @@ def plot(
         `latolato.analysis` returned.
     variable : str, optional
         What to draw of a sweep, by default the first; of an analysis a variable in place of its
-        picture; of a run the only thing to draw, over time, such as ``"tension"``.
+        picture; of a run the only thing to draw, over time, such as ``"tension"`` or
+        ``"angle_sensitivity"``.
     log : bool
         A logarithmic scale of the values. Zeros get a colour of their own.
     curves : bool
@@ -156,7 +157,8 @@ def kind_of(dataset: xr.Dataset) -> str:
     for kind in ("fit", "comparison", "analysis"):
         if kind in dataset.attrs:
             return kind
-    return "map" if "plan" in dataset.attrs and "time" not in dataset.dims else "run"
+    is_map = dataset.attrs.keys() & {"plan", "prediction"} and "time" not in dataset.dims
+    return "map" if is_map else "run"
 
 
 def module_of(kind: str, name: str) -> Any:

@@ -125,10 +125,36 @@ def draw_run(run: xr.Dataset) -> Figure:
 
 @style.styled
 def draw_variable(run: xr.Dataset) -> Figure:
-    """Return a figure of the only variable over time; tensions are those of rod or string."""
+    """Return a figure of the only variable over time; tensions are those of rod or string.
+
+    Derivatives have a panel for each parameter.
+    """
     (values,) = run.data_vars.values()
-    figure, panels = style.new_figure(1)
-    axes = panels[0, 0]
+    if "parameter" not in values.dims:
+        figure, panels = style.new_figure(1)
+        _draw_balls(panels[0, 0], values)
+        style.show_unit(panels[0, 0].yaxis, values, short=True)
+        text = str(values.attrs.get("long_name", values.name))
+        if "tension of the rod" in text:
+            text += " (negative: the rod is pushed, and a string would be slack)"
+        panels[0, 0].set_title(f"{text[:1].upper()}{text[1:]}", loc="left", fontsize=style.SMALL)
+    else:
+        figure, panels = style.new_figure(values.sizes["parameter"], sharex=True)
+        motion = str(values.attrs["long_name"]).split(",")[0]
+        for axes, name in zip(panels[:, 0], values["parameter"].values, strict=True):
+            own = values.sel(parameter=name)
+            per = str(own["parameter_unit"].item())
+            unit = style.pretty_unit(values.attrs["units"] + (f" per {per}" if per != "1" else ""))
+            _draw_balls(axes, own)
+            axes.set_ylabel(f"${values.attrs['symbol']}$ [{unit}]")
+            text = f"{motion} with respect to {name.replace('_', ' ')}"
+            axes.set_title(f"{text[:1].upper()}{text[1:]}", loc="left", fontsize=style.SMALL)
+            axes.label_outer(remove_inner_ticks=False)
+    return figure
+
+
+def _draw_balls(axes: Axes, values: xr.DataArray) -> None:
+    """Draw a variable over time, one curve for each ball."""
     balls = [str(ball) for ball in values["ball"].values] if "ball" in values.dims else ["ball"]
     for ball, row in zip(balls, np.atleast_2d(values.values), strict=True):
         colour = style.RED if ball == "left" else style.BLUE
@@ -137,13 +163,7 @@ def draw_variable(run: xr.Dataset) -> Figure:
         _legend(axes)
     if float(values.min()) < 0.0 < float(values.max()):
         axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
-    style.show_unit(axes.yaxis, values, short=True)
     axes.set_xlabel(style.label(values["time"]))
-    text = str(values.attrs.get("long_name", values.name))
-    if "tension of the rod" in text:
-        text += " (negative: the rod is pushed, and a string would be slack)"
-    axes.set_title(f"{text[:1].upper()}{text[1:]}", loc="left", fontsize=style.SMALL)
-    return figure
 
 
 def _draw_distances(axes: Axes, run: xr.Dataset, curves: xr.Dataset) -> None:

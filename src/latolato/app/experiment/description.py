@@ -262,4 +262,5 @@ def fit_kinds() -> list[dict[str, Any]]:
             "fewest_balls": kind.fewest_balls,
         }
         for name, kind in fits.items()
+        if kind.is_on_page
     ]

@@ -30,7 +30,7 @@ Jacobian = Callable[[Mapping[str, float], Sequence[str]], Floats]
 # Residuals beyond this many robust standard deviations are taken for mistakes of the tracker.
 OUTLIER = 6.0
 # Correlations up to this size are kept; beyond, a series is a random walk.
-_MOST_CORRELATION = 0.99
+MOST_CORRELATION = 0.99
 # Standard deviations of a prior within which a value is believed.
 _FAR = 3.0
 # Parameters that messages name.
@@ -81,13 +81,19 @@ def one_series(times: Floats, values: Floats, sigmas: Floats | None = None) -> D
 class Guess:
     """Where a parameter's search starts, and the range that it is kept in.
 
-    `prior` is its standard deviation about 0 as known without the samples.
+    `prior` is its standard deviation about `expected` as known without the samples.
     """
 
     value: float
     low: float = -math.inf
     high: float = math.inf
     prior: float = math.inf
+    expected: float = 0.0
+
+    @property
+    def surprise(self) -> float:
+        """How far the value is from the expected one, in deviations of the prior."""
+        return (self.value - self.expected) / self.prior
 
 
 @dataclass(frozen=True)
@@ -150,13 +156,13 @@ class Solution:
 
     @property
     def prior_misfit(self) -> float:
-        """Sum of the squares of the parameters with priors over their deviations."""
-        return sum((guess.value / guess.prior) ** 2 for guess in self.guesses.values())
+        """Sum of the squares of how far parameters are from their priors, in deviations."""
+        return sum(guess.surprise**2 for guess in self.guesses.values())
 
     @property
     def beyond_priors(self) -> dict[str, float]:
         """Those that are beyond three deviations of their priors, in deviations."""
-        off = {name: guess.value / guess.prior for name, guess in self.guesses.items()}
+        off = {name: guess.surprise for name, guess in self.guesses.items()}
         return {name: size for name, size in off.items() if abs(size) > _FAR}
 
     @property
@@ -251,7 +257,7 @@ def solve(
             rho = correlation_of(data[mask], (residuals / data.sigmas)[mask])
             spread = _spread(whitened(data, mask, rho)(residuals / data.sigmas), loose)
         white = whitened(data, mask, rho)
-        minimizer = _minimizer(model, jacobian, parameters, data, white, _beliefs(guesses, spread))
+        minimizer = _minimizer(model, jacobian, parameters, data, white, guesses, spread)
         result = _minimized(minimizer, limit)
         parameters = result.params
         values = parameters.valuesdict()
@@ -300,14 +306,17 @@ def _minimizer(
     parameters: Any,
     data: Data,
     white: Callable[[Floats], Floats],
-    beliefs: Floats,
+    guesses: Mapping[str, Guess],
+    spread: float,
 ) -> Any:
     """Return lmfit's minimizer of the whitened residuals, and of what is known beforehand."""
+    beliefs = _beliefs(guesses, spread)
+    expected = np.array([guess.expected for guess in guesses.values()])
     known = beliefs > 0.0
 
     def errors(trial: Any) -> Floats:
         values = trial.valuesdict()
-        beyond = beliefs * np.array(list(values.values()))
+        beyond = beliefs * (np.array(list(values.values())) - expected)
         return np.append(white((data.values - model(values)) / data.sigmas), beyond[known])
 
     def slopes(trial: Any) -> Floats:
@@ -356,12 +365,10 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
     ``e_i = (r_i - f r_(i-1))/sqrt(1 - f^2)`` with ``f = rho^((t_i - t_(i-1))/spacing)``; the first
     of a series is itself. Residuals may have further axes after that of the samples.
     """
-    times, series = data.times[mask], data.series[mask]
-    if rho <= 0.0 or len(times) < 2:
+    if rho <= 0.0 or mask.sum() < 2:
         return lambda residuals: residuals[mask]
-    steps = np.diff(times)
-    inside = series[1:] == series[:-1]
-    factor = np.where(inside, rho ** (np.maximum(steps, 0.0) / _spacing(times, series)), 0.0)
+    late, inside = links_of(data[mask])
+    factor = np.where(inside, rho**late, 0.0)
     scale = np.sqrt(1.0 - factor**2)
 
     def white(residuals: Floats) -> Floats:
@@ -371,6 +378,13 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
         return out
 
     return white
+
+
+def links_of(data: Data) -> tuple[Floats, NDArray[np.bool_]]:
+    """Return how late samples follow the one before, over the typical time, and if in a series."""
+    inside = data.series[1:] == data.series[:-1]
+    spacing = _spacing(data.times, data.series)
+    return np.maximum(np.diff(data.times), 0.0) / spacing, inside
 
 
 def _spacing(times: Floats, series: NDArray[np.int64]) -> float:
@@ -392,7 +406,7 @@ def correlation_of(data: Data, errors: Floats) -> float:
     if rho < 2.0 / math.sqrt(near.sum()):
         return 0.0
     # Residuals of a fit look less correlated than the noise was (Kendall 1954).
-    return min(rho + (1.0 + 3.0 * rho) / int(near.sum()), _MOST_CORRELATION)
+    return min(rho + (1.0 + 3.0 * rho) / int(near.sum()), MOST_CORRELATION)
 
 
 def _without_outliers(errors: Floats) -> NDArray[np.bool_]:

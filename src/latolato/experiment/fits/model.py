@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import reduce
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -23,7 +23,7 @@ from latolato.experiment.fits.least_squares import (
     Solution,
     solve,
 )
-from latolato.experiment.fits.pivots import pivot_for
+from latolato.experiment.fits.pivots import Pivot, pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
 from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
@@ -117,51 +117,19 @@ def fit_model(
     pivot's offset from its position in the table are fitted as well
     (`latolato.experiment.fits.sight`). Gravity and length cannot be told apart on a pivot at rest.
     """
-    checked_table(table)
-    checked_system(system)
-    table, ball = of_own_pivot(table, system, ball)
-    if window is not None:
-        window = checked_number("window", window, POSITIVE, "s")
-    data = angles_of(table, system, ball, start, end)
-    first, last = float(data.times.min()), float(data.times.max())
-    across = not isinstance(system, LatoLato)
-    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
-    pivot, origin = moving.drive, moving.origin
-    known = _known(system, pivot)
-    names = _names(system, known, vary)
-    varied = [known[name] for name in names if name in known]
-    shared = _nuisances(sight_guesses(table, data), is_mirrored(table, system, ball))
-    shared |= {name: Guess(0.0) for name in names}
-    shared |= {each.name: _guess(system, pivot, each) for each in varied}
-    laws = _laws(system, pivot, varied)
-    period = math.tau / system.natural_frequency
-    levels = [x * period for x in _LEVELS] if window is None else [window]
-    solution, model, lost = _longest(data, laws, shared, levels, origin)
+    found = described(table, system, drive, vary, ball=ball, start=start, end=end, window=window)
+    names, data, model, solution = found.names, found.data, found.model, found.solution
     if profile:
         solution = solve(model, solution.guesses, data, jacobian=model.jacobian, profiles=names)
-    others = [(_laws(system, other, varied), weight) for other, weight in moving.others]
-    widening, bent, unknown = _by_pivots(data, others, names, solution, model)
+    widening, bent, unknown = _by_pivots(found)
     estimates = {name: _estimate(solution, name, widening[name]) for name in names}
-    best, best_drive = laws(solution.values)
-    curves = {
-        "time": ("sample", data.times),
-        "ball_number": ("sample", data.series),
-        "angle": ("sample", data.values),
-        "angle_fit": ("sample", solution.curve),
-        "angle_residual": ("sample", solution.residuals),
-        "is_outlier": ("sample", ~solution.kept),
-        "window_start": ("window", np.array([w.begin for w in model.windows])),
-    }
-    about = {
-        "start": first, "end": last, "samples": len(data), "pivot": moving.words,
-        **solution.quality, "chi_square": solution.chi_square, "windows": len(model.windows),
-        "system": systems.name_of(best), "drive": drives.name_of(best_drive),
-        "source": table.attrs.get("source"),
-    }  # fmt: skip
-    kept_drive = None if isinstance(best_drive, (MeasuredPivot, FixedPivot)) else best_drive
-    verdict = _verdict(estimates, solution, model, lost, unknown)
-    adequacy = _doubt(data, solution, model, period, bent)
-    return make_fit("model", estimates, verdict, curves, about, kept_drive, best, adequacy=adequacy)
+    best, best_drive = found.laws(solution.values)
+    verdict = _verdict(estimates, solution, model, found.lost, unknown)
+    return make_fit(
+        "model", estimates, verdict, found.curves,
+        found.attributes | {"system": systems.name_of(best), "drive": drives.name_of(best_drive)},
+        drive_to_keep(best_drive), best, adequacy=doubt_of(found, bent),
+    )  # fmt: skip
 
 
 fits.register("model")(
@@ -174,6 +142,126 @@ fits.register("model")(
         is_predicted=True,
     )
 )
+
+
+@dataclass(frozen=True)
+class Described:
+    """What least squares find of a model against the measured angles.
+
+    Attributes
+    ----------
+    names : list of str
+        The parameters that were asked for.
+    data : Data
+        The angles that the model is about.
+    pivot : Pivot
+        How the pivot moves, and other motions of it that its track allows as well.
+    others : list of (Laws, float)
+        The laws with each of these, and the weight of the squared change that it makes.
+    laws : callable
+        System and drive for values of the parameters.
+    lost : int
+        The number of longer windows in which the fit did not converge, 0 without such.
+    period : float
+        Natural, of the system that was given [s].
+    source : str or None
+        Where the table is from.
+    has_sigmas : bool
+        Whether the table states the uncertainty of the angles.
+    """
+
+    names: list[str]
+    data: Data
+    pivot: Pivot
+    others: list[tuple[Laws, float]]
+    laws: Laws
+    solution: Solution
+    model: WindowedModel
+    lost: int
+    period: float
+    source: str | None
+    has_sigmas: bool
+
+    @property
+    def curves(self) -> dict[str, tuple[str, Any]]:
+        """Measured and fitted angles, as variables of a fit."""
+        data, solution = self.data, self.solution
+        return {
+            "time": ("sample", data.times),
+            "ball_number": ("sample", data.series),
+            "angle": ("sample", data.values),
+            "angle_fit": ("sample", solution.curve),
+            "angle_residual": ("sample", solution.residuals),
+            "is_outlier": ("sample", ~solution.kept),
+            "window_start": ("window", np.array([w.begin for w in self.model.windows])),
+        }
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What was fitted and how well, as attributes of a fit."""
+        return {
+            "start": float(self.data.times.min()), "end": float(self.data.times.max()),
+            "samples": len(self.data), "pivot": self.pivot.words,
+            **self.solution.quality, "chi_square": self.solution.chi_square,
+            "windows": len(self.model.windows), "source": self.source,
+        }  # fmt: skip
+
+
+def described(
+    table: xr.Dataset,
+    system: System,
+    drive: Drive | str | None,
+    vary: Sequence[str] | None,
+    *,
+    ball: int | None,
+    start: float | None,
+    end: float | None,
+    window: float | None,
+    prior: Mapping[str, Any] | None = None,
+    fits_pivot: bool = False,
+) -> Described:
+    """Return the least-squares solution of a model; see `fit_model`, of `prior` `fit_posterior`.
+
+    With `fits_pivot` the parameters of a drive that was fitted to the pivot's track are fitted once
+    more, and that first fit is what is known of them beforehand.
+    """
+    checked_table(table)
+    checked_system(system)
+    table, ball = of_own_pivot(table, system, ball)
+    if window is not None:
+        window = checked_number("window", window, POSITIVE, "s")
+    data = angles_of(table, system, ball, start, end)
+    first, last = float(data.times.min()), float(data.times.max())
+    across = not isinstance(system, LatoLato)
+    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
+    known = _known(system, moving.drive)
+    names = _names(system, known, vary)
+    varied = [known[name] for name in names if name in known]
+    of_pivot = {
+        name: sigma for name, sigma in moving.deviations.items() if fits_pivot and name not in names
+    }
+    varied += [known[name] for name in of_pivot]
+    shared = _nuisances(sight_guesses(table, data), is_mirrored(table, system, ball))
+    shared |= {name: Guess(0.0) for name in names}
+    shared |= {each.name: _guess(system, moving.drive, each) for each in varied}
+    for name, deviation in (of_pivot | _deviations(prior, names)).items():
+        expected = _value(system, moving.drive, known[name]) if name in known else 0.0
+        shared[name] = replace(shared[name], expected=expected, prior=deviation)
+    laws = _laws(system, moving.drive, varied)
+    period = math.tau / system.natural_frequency
+    levels = [x * period for x in _LEVELS] if window is None else [window]
+    solution, model, lost = _longest(data, laws, shared, levels, moving.origin)
+    neighbours = [] if moving.deviations and fits_pivot else moving.others
+    others = [(_laws(system, other, varied), weight) for other, weight in neighbours]
+    return Described(
+        names, data, moving, others, laws, solution, model, lost, period,
+        table.attrs.get("source"), bool(np.isfinite(table["angle_sigma_1"].values).any()),
+    )  # fmt: skip
+
+
+def drive_to_keep(drive: Drive) -> Drive | None:
+    """Return a drive if a fit keeps it: one of formulas, not the samples of a table."""
+    return None if isinstance(drive, (MeasuredPivot, FixedPivot)) else drive
 
 
 def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
@@ -213,6 +301,24 @@ def _names(system: System, known: Mapping[str, Parameter], vary: Sequence[str] |
     if not vary:
         raise InputError("needs at least one name", parameter="vary")
     return list(dict.fromkeys(vary))
+
+
+def _deviations(prior: Any, names: list[str]) -> dict[str, float]:
+    """Return the standard deviations of parameters that are known beforehand, in SI units."""
+    if prior is None:
+        return {}
+    if not isinstance(prior, Mapping):
+        raise InputError("must map names to standard deviations", parameter="prior", value=prior)
+    for name in prior:
+        if name not in names:
+            raise InputError(
+                f"'{name}' is not among what is fitted: {suggest(str(name), names)}",
+                parameter="prior",
+            )
+    return {
+        name: checked_number(f"the prior of {name}", value, POSITIVE, quantity_of(name).unit)
+        for name, value in prior.items()
+    }
 
 
 def _value(system: System, drive: Drive, parameter: Parameter) -> Any:
@@ -285,24 +391,19 @@ def _longest(
     return *best, lost
 
 
-def _by_pivots(
-    data: Data,
-    others: Sequence[tuple[Laws, float]],
-    names: Sequence[str],
-    solution: Solution,
-    model: WindowedModel,
-) -> tuple[dict[str, float], list[Floats], int]:
+def _by_pivots(found: Described) -> tuple[dict[str, float], list[Floats], int]:
     """Return the standard deviations that the uncertainty of the pivot's motion alone makes.
 
     The second are the changes of the fitted angles [rad], the third is how many fits of them did
     not converge, and are left out.
     """
+    names, data, solution, model = found.names, found.data, found.solution, found.model
     squares = dict.fromkeys(names, 0.0)
     bent: list[Floats] = []
     lost = 0
     begins = np.array([window.begin for window in model.windows])
     shared = {name: solution.guesses[name] for name in model.shared}
-    for laws, weight in others:
+    for laws, weight in found.others:
         moved = WindowedModel(data, laws, shared, begins, model.origin)
         try:
             trial = solve(moved, solution.guesses, data, jacobian=moved.jacobian, like=solution)
@@ -325,22 +426,17 @@ def _estimate(solution: Solution, name: str, further: float) -> Estimate:
     return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
-def _doubt(
-    data: Data,
-    solution: Solution,
-    model: WindowedModel,
-    period: float,
-    bent: Sequence[Floats],
-) -> Adequacy:
+def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
     """Return whether the model describes the record, with what other pivots bend it by [rad].
 
     A motion in several pieces, each with its own start, may change at any of these: only its
     scatter is judged.
     """
+    data, solution, model = found.data, found.solution, found.model
     few = pivot_doubt(solution) or misfit_doubt(solution, data)
     if few is None and len(model.windows) == 1 and model.angles == 1:
         whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
-        place = place_of_change(data, whole, _SHORTEST * period)
+        place = place_of_change(data, whole, _SHORTEST * found.period)
         if place is not None:
             at = float(data.times[place])
             return Adequacy(

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -41,12 +42,15 @@ class Pivot:
     ----------
     others : list of (Drive, float)
         Each with the weight of the squared change that it makes.
+    deviations : dict of str to float
+        Standard deviations of the parameters of a fitted drive, empty for any other.
     """
 
     drive: Drive
     origin: float
     others: list[tuple[Drive, float]]
     words: str
+    deviations: dict[str, float] = field(default_factory=dict)
 
 
 def pivot_for(
@@ -95,7 +99,8 @@ def pivot_for(
             words = "the pivot's fitted drive"
             if moving != fit.drive:
                 words += " without its horizontal part"
-            return Pivot(moving, origin, _neighbours(fit, moving, error), words)
+            sigmas = _deviations(fit, moving, error)
+            return Pivot(moving, origin, _neighbours(fit, moving, sigmas), words, sigmas)
     return _spline(table, length, (first, last), swings)
 
 
@@ -111,26 +116,33 @@ def _is_good(fit: Fit, swings: bool) -> bool:
     return float((fit.dataset["pivot_across"] - fit.dataset["pivot_across_fit"]).std()) < limit
 
 
-def _neighbours(fit: Fit, drive: Drive, scale: float) -> list[tuple[Drive, float]]:
-    """Return drives that differ by one standard deviation in one parameter each, or the scale."""
-    others: list[tuple[Drive, float]] = []
-    about: Any = drive
-    phases = [name for name in _PHASES if hasattr(drive, name)]
+def _deviations(fit: Fit, drive: Drive, scale: float) -> dict[str, float]:
+    """Return the standard deviations of a fitted drive's parameters, with that of the scale."""
+    sigmas: dict[str, float] = {}
     for name in _PARAMETERS:
         estimate = _OF_HEIGHT.get(name, name)
         if estimate in fit and hasattr(drive, name):
-            sigma = fit[estimate].sigma
+            sigmas[name] = fit[estimate].sigma
             if name.endswith("_amplitude"):
-                sigma = float(np.hypot(sigma, scale * fit[estimate].value))
-            moved: Any = {name: getattr(drive, name) + sigma}
-            if name == "drive_frequency":
-                # About the middle of the record, where frequency and phase are independent.
-                about_table = fit.dataset.attrs
-                middle = 0.5 * (about_table["start"] + about_table["end"]) - about_table["origin"]
-                moved |= {phase: getattr(about, phase) - sigma * middle for phase in phases}
-            # The phase's own deviation at time zero holds the frequency's: half of it is left.
-            weight = 0.25 if name in phases and hasattr(drive, "drive_frequency") else 1.0
-            others.append((replace(about, **moved), weight))
+                sigmas[name] = float(np.hypot(sigmas[name], scale * fit[estimate].value))
+    return sigmas
+
+
+def _neighbours(fit: Fit, drive: Drive, sigmas: Mapping[str, float]) -> list[tuple[Drive, float]]:
+    """Return drives that differ by one standard deviation in one parameter each."""
+    others: list[tuple[Drive, float]] = []
+    about: Any = drive
+    phases = [name for name in _PHASES if hasattr(drive, name)]
+    for name, sigma in sigmas.items():
+        moved: Any = {name: getattr(drive, name) + sigma}
+        if name == "drive_frequency":
+            # About the middle of the record, where frequency and phase are independent.
+            about_table = fit.dataset.attrs
+            middle = 0.5 * (about_table["start"] + about_table["end"]) - about_table["origin"]
+            moved |= {phase: getattr(about, phase) - sigma * middle for phase in phases}
+        # The phase's own deviation at time zero holds the frequency's: half of it is left.
+        weight = 0.25 if name in phases and hasattr(drive, "drive_frequency") else 1.0
+        others.append((replace(about, **moved), weight))
     return others
 
 

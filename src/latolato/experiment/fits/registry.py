@@ -40,6 +40,8 @@ class FitKind:
         Returns the system that a page plays after a fit, or None; by default that of the fit.
     is_predicted : bool
         Whether a page draws the motion that is computed from its start on, not the fitted curve.
+    is_on_page : bool
+        Whether pages offer it; else only Python and the command line do.
 
     Examples
     --------
@@ -56,6 +58,7 @@ class FitKind:
     fewest_balls: int = 1
     system: Callable[[Fit, Apparatus, xr.Dataset], System | None] = lambda fit, *_: fit.system
     is_predicted: bool = False
+    is_on_page: bool = True
 
     @property
     def parameters(self) -> Mapping[str, inspect.Parameter]:

@@ -23,10 +23,8 @@ if TYPE_CHECKING:
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
 # What a verdict says after a doubt.
-_WITHHELD = (
-    "No number of this fit is a result. Its values are kept for inspection; give start and end to "
-    "fit a part that the model describes."
-)
+_WITHHELD = "No number of this fit is a result. Its values are kept for inspection"
+_OF_A_PART = "; give start and end to fit a part that the model describes"
 # The least and the largest value that an experiment is likely to have, and what else it may be.
 _USUAL = {
     "length": (5e-3, 70.0, "is the clock in seconds, not in frames or milliseconds"),
@@ -104,12 +102,15 @@ class Adequacy:
         Where the model begins to fail [s], NaN if it does not or nowhere in particular.
     note : str
         What is worth knowing of a model that describes the record nearly, as a sentence.
+    is_in_record : bool
+        Whether a part of the record may do better; else the doubt names its way out.
     """
 
     doubt: str = ""
     kind: str = ""
     fails_at: float = math.nan
     note: str = ""
+    is_in_record: bool = True
 
     @property
     def describes(self) -> bool:
@@ -165,6 +166,13 @@ class Fit:
         """All estimates by name."""
         names = [str(n) for n in self.dataset.data_vars if f"{n}_sigma" in self.dataset]
         return {name: self[name] for name in names if self.dataset[name].ndim == 0}
+
+    @property
+    def draws(self) -> xr.Dataset | None:
+        """Draws of the unknown parameters by name, on chain and draw; None but for a posterior."""
+        names = [str(name) for name in self.estimates if f"{name}_draw" in self.dataset]
+        found = self.dataset[[f"{name}_draw" for name in names]]
+        return found.rename({f"{name}_draw": name for name in names}) if names else None
 
     @property
     def drive(self) -> Drive | None:
@@ -310,7 +318,8 @@ def make_fit(
         if value is not None:
             kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
-        verdict = f"{adequacy.doubt} {_WITHHELD}"
+        advice = _OF_A_PART if adequacy.is_in_record else ""
+        verdict = f"{adequacy.doubt} {_WITHHELD}{advice}."
     elif adequacy.note:
         verdict = f"{verdict} {adequacy.note}"
     return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))

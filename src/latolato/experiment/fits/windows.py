@@ -112,19 +112,38 @@ class WindowedModel:
         return self._seen(self._moved(p), p)
 
     def jacobian(self, p: Mapping[str, float], names: Sequence[str]) -> Floats:
-        """Return the derivatives of the angles, shape (sample, name).
+        """Return the derivatives of the angles, shape (sample, name); see `with_slopes`."""
+        return self.with_slopes(p, names)[1]
 
-        Those of the motion are exact (`simulation.sensitivity`), and so are those of how it is seen
-        but for their differences of plain formulas. Where a motion has no exact derivative, as
-        after a graze, differences of motions stand in.
+    def with_slopes(
+        self,
+        p: Mapping[str, float],
+        names: Sequence[str],
+        directions: Sequence[list[Numbers]] | None = None,
+    ) -> tuple[Floats, Floats]:
+        """Return the angles at the samples as they are seen [rad], and their derivatives.
+
+        The derivatives have the shape (sample, name). Those of the motion are exact
+        (`simulation.sensitivity`), and so are those of how it is seen but for their differences of
+        plain formulas. Where a motion has no exact derivative, as after a graze, differences of
+        motions stand in.
+
+        Parameters
+        ----------
+        p : mapping of str to float
+            Values of all parameters.
+        names : sequence of str
+            Those whose derivatives are wanted.
+        directions : sequence, optional
+            What `directions_at` returns for values that are nearly these; by default for these.
         """
-        system, drives = self._laws(p)
+        directions = self.directions_at(p, names) if directions is None else directions
         motion = np.empty(len(self.data))
         slopes = np.zeros((len(self.data), len(names)))
+        system, drives = self._laws(p)
         for k in range(len(self.windows)):
-            own = [i for i, name in enumerate(names) if self._window_of.get(name, k) == k]
-            moving = np.array([i for i in own if names[i] not in SEEN], dtype=np.int64)
-            self._run_with_slopes(motion, slopes, system, drives[k], p, k, names, moving)
+            moving = self._moving(names, k)
+            self._run_with_slopes(motion, slopes, system, drives[k], p, k, moving, directions[k])
         middle = self._seen(motion, p)
         above, below = self._seen(motion + _ABSOLUTE, p), self._seen(motion - _ABSOLUTE, p)
         matrix = slopes * ((above - below) / (2.0 * _ABSOLUTE))[:, None]
@@ -134,7 +153,23 @@ class WindowedModel:
                 matrix[:, i] = (self._seen(self._moved(moved), moved) - middle) / change
             elif name not in self._window_of:
                 matrix[:, i] += (self._seen(motion, moved) - middle) / change
-        return matrix
+        return middle, matrix
+
+    def directions_at(self, p: Mapping[str, float], names: Sequence[str]) -> list[list[Numbers]]:
+        """Return for each window how the engine's numbers change with the parameters that act.
+
+        There are none for a drive with formulas of its own.
+        """
+        system, drives = self._laws(p)
+        return [
+            self._directions(system, drives[k], p, k, [names[i] for i in self._moving(names, k)])
+            for k in range(len(self.windows))
+        ]
+
+    def _moving(self, names: Sequence[str], k: int) -> NDArray[np.int64]:
+        """Return the places of the parameters on which the motion in a window depends."""
+        own = [i for i, name in enumerate(names) if self._window_of.get(name, k) == k]
+        return np.array([i for i in own if names[i] not in SEEN], dtype=np.int64)
 
     def _moved_by_a_little(
         self, p: Mapping[str, float], name: str
@@ -146,20 +181,14 @@ class WindowedModel:
         change = -size if p[name] + size > high else size
         return {**p, name: p[name] + change}, change
 
-    def _run_with_slopes(
-        self, out: Floats, slopes: Floats, system: System, drive: LaterDrive,
-        p: Mapping[str, float], k: int, names: Sequence[str], moving: NDArray[np.int64],
-    ) -> None:  # fmt: skip
-        """Write the angles of one window, and their derivatives by some of the parameters."""
-        window, state = self.windows[k], self._start(p, k)
+    def _directions(
+        self, system: System, drive: LaterDrive, p: Mapping[str, float], k: int,
+        names: Sequence[str],
+    ) -> list[Numbers]:  # fmt: skip
+        """Return how the engine's numbers in one window change with some of the parameters."""
         if drive.acceleration not in CHANGES:
-            self._run(out, system, drive, p, k)
-            for places in window.places:
-                slopes[np.ix_(places, moving)] = math.nan
-            return
-        begun = Start(
-            tuple(_within_walls(system, state[:, 0]).tolist()), tuple(state[:, 1].tolist())
-        )
+            return []
+        window, begun = self.windows[k], self._begun(system, p, k)
         end = float(window.times[-1])
 
         def numbers(values: Sequence[float], name: str) -> Numbers:
@@ -176,16 +205,31 @@ class WindowedModel:
         unchanged = {name: np.zeros_like(values[0]) for name, values in still.items()}
         units = [name for j in range(self.angles) for name in start_names(k, j)]
         directions: list[Numbers] = []
-        for i in moving:
-            name, own = names[i], dict(unchanged)
+        for name in names:
+            own = dict(unchanged)
             if name in units:
                 own["start"] = np.eye(4)[units.index(name)]
             else:
                 guess = self.shared[name]
                 allowed = Range(guess.low, guess.high)
                 size = max(abs(p[name]), 1e-3)
-                own |= slopes_of(partial(numbers, name=name), p[name], size, allowed)
+                one = partial(numbers, name=name)
+                own |= slopes_of(one, p[name], size, allowed, is_quick=True)
             directions.append(own)
+        return directions
+
+    def _run_with_slopes(
+        self, out: Floats, slopes: Floats, system: System, drive: LaterDrive,
+        p: Mapping[str, float], k: int, moving: NDArray[np.int64], directions: list[Numbers],
+    ) -> None:  # fmt: skip
+        """Write the angles of one window, and their derivatives by some of the parameters."""
+        window = self.windows[k]
+        if len(directions) < len(moving):
+            self._run(out, system, drive, p, k)
+            for places in window.places:
+                slopes[np.ix_(places, moving)] = math.nan
+            return
+        begun = self._begun(system, p, k)
         for first in range(0, max(len(moving), 1), MOST_PARAMETERS):
             some = moving[first : first + MOST_PARAMETERS]
             chosen = joined(directions[first : first + MOST_PARAMETERS]) if len(some) else None
@@ -199,6 +243,12 @@ class WindowedModel:
                 if len(some):
                     found = np.where(wild[j], 0.0, derivatives[:, j])[:, inside].T
                     slopes[np.ix_(own_places, some)] = found
+
+    def _begun(self, system: System, p: Mapping[str, float], k: int) -> Start:
+        """Return the start of a window, clear of the walls."""
+        state = self._start(p, k)
+        angles = _within_walls(system, state[:, 0])
+        return Start(tuple(angles.tolist()), tuple(state[:, 1].tolist()))
 
     def _moved(self, p: Mapping[str, float]) -> Floats:
         """Return the true angles at the samples [rad]."""
