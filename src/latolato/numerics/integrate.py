@@ -30,7 +30,6 @@ from latolato.numerics.engine.loop import (
     Timetable,
     empty_arguments,
 )
-from latolato.numerics.engine.sensitivity import TOGETHER
 from latolato.numerics.kernels import (
     PREPARE,
     callback_kernels_of,
@@ -60,7 +59,7 @@ from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
 from latolato.physics import problems
-from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, ExactContact
+from latolato.physics.contacts import ContactLaw, ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import (
     System,
@@ -74,8 +73,6 @@ Floats = NDArray[np.float64]
 # Steps after which a kernel hands back control, so that progress shows and Ctrl-C works.
 STEPS_PER_CALL = 200_000
 
-# Events are at one instant, and balls at rest, within so much [s, rad/s].
-_AT_ONCE = 1e-9
 # Energies are floats up to here; only linear motion grows so far.
 LARGEST = 1e100
 
@@ -481,42 +478,9 @@ def integrate(
             status = sentence("contact_limit", time=reached, limit=contact_limit)
             break
         room = min(max(room, 2 * written), 65536)
-    trajectory = Trajectory(
+    return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, float(min(reached, duration)), step, stepper, status, failed,
         acc.reshape(-1, angles), int(runs["doubt"][0]),
         float(runs["doubted_since"][0]) if runs["doubt"][0] else math.inf,
     )  # fmt: skip
-    if parameters:
-        _doubt_coincidences(trajectory, system, sample_times, parameters)
-    return trajectory
-
-
-def _doubt_coincidences(
-    trajectory: Trajectory, system: System, times: Floats, parameters: int
-) -> None:
-    """Forget derivatives from where two guards are met at one instant, whatever the parameters.
-
-    A slack ball that lies against the plane between both draws its string taut on that plane, and
-    may leave it at once, slack again. And the friction of two balls that rest on each other turns
-    with their velocity, which may part them in that instant. Which of the guards moves the event
-    is not followed.
-    """
-    instants, angles = trajectory.contact_times, system.angles
-    kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
-    met = np.isin(kinds, ("bottom", "top"))
-    doubted = np.zeros(len(instants), dtype=bool)
-    near = np.diff(instants) <= _AT_ONCE
-    if len(instants) > 2:
-        drawn, left = kinds[:-2] == "taut", kinds[2:] == "slack"
-        doubted[1:-1] = drawn & met[1:-1] & left & near[:-1] & near[1:]
-    if angles == 2 and any(ball.coulomb_damping > 0.0 for ball in system.balls):
-        still = np.all(np.abs(trajectory.contact_values[:2]) <= _AT_ONCE, axis=0)
-        doubted |= (kinds == "release") & still
-    if not doubted.any() or instants[doubted][0] >= trajectory.doubted_since:
-        return
-    since = float(instants[doubted][0])
-    trajectory.doubt, trajectory.doubted_since = TOGETHER, since
-    size = 2 * angles * parameters
-    trajectory.samples[len(trajectory.samples) - size :, times > since] = math.nan
-    trajectory.contact_values[records.CONTACT_ROWS :, instants > since] = math.nan
