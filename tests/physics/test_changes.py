@@ -8,7 +8,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from latolato.physics.damping import drift_changes
+from latolato.physics.damping import drift_weights
 from latolato.physics.drives import segment
 from latolato.physics.drives.segment import CHANGES, Segment
 
@@ -73,5 +73,6 @@ def test_a_drift_under_drag(rate, quadratic):
         with mpmath.workdps(60):
             above, below = drifted(_TINY), drifted(-_TINY)
             wanted = [float((a - b) / (2 * _TINY)) for a, b in zip(above, below, strict=True)]
-        found = drift_changes(velocity, sign, interval, body, change)
+        weights = np.reshape(drift_weights(velocity, sign, interval, body), (2, 2))
+        found = weights @ [change.damping_rate, change.quadratic]
         assert found == pytest.approx(wanted, rel=1e-11, abs=1e-14)

@@ -360,6 +360,72 @@ def test_a_run_is_the_same_with_its_derivatives():
     np.testing.assert_allclose(differentiated["angle"], plain["angle"], rtol=1e-11, atol=1e-11)
 
 
+class TestEventsTogether:
+    """Events that one guard brings about at one instant, whatever the parameters are."""
+
+    def test_an_impact_without_rebound_lets_a_string_go(self):
+        toy = replace(
+            TOY, damping=0.07, restitution=0.0, suspension="string", string_restitution=0.3
+        )
+        drive = ll.Harmonic(drive_amplitude=0.24, drive_frequency=5.0, drive_phase=-0.7)
+        start = {"initial_angle": 2.75, "initial_angular_velocity": 2.9}
+        times = np.linspace(0.0, 0.6, 7)
+        run = record(toy, drive, times=times, **start)
+        assert list(run["contact_kind"]) == ["top", "slack"]
+        names = ("length", "gravity", "drive_phase", "initial_angular_velocity")
+        assert worst(toy, drive, start, names, times=times) < ENOUGH
+
+    def test_a_string_tightens_on_the_plane_between_both_and_goes_slack_again(self):
+        toy = ll.LatoLato(
+            length=0.5886096404897327, mass=0.89, radius=0.042759520846914215, restitution=0.0,
+            suspension="string", string_restitution=0.0,
+        )  # fmt: skip
+        drive = ll.StagedHarmonic(
+            times=(0.0, 0.6325329198614633),
+            drive_amplitudes=(0.13612753445015488, 0.2041913016752323),
+            drive_frequencies=(11.618714239687911, 13.942457087625494), ramps=(0.1, 0.3),
+            drive_phase=1.5829258260291281,
+        )  # fmt: skip
+        start = {
+            "initial_angle": 1.3932969576944934, "initial_angular_velocity": -0.8642364150419134,
+        }  # fmt: skip
+        times = np.array([1.18, 1.4, 1.6, 1.85])
+        run = record(toy, drive, times=times, tolerance=1e-13, **start)
+        kinds, instants = list(run["contact_kind"]), run["contact_time"]
+        assert kinds[-3:] == ["taut", "bottom", "slack"]
+        assert instants[-3] == pytest.approx(instants[-1], abs=1e-9)
+        assert worst(toy, drive, start, ["gravity"], times=times) < ENOUGH
+
+    def test_balls_part_as_their_friction_turns(self):
+        right = ll.Ball(
+            length=0.6717865270562917, mass=0.9766933198476325, damping=0.0636201753339558,
+            quadratic_damping=0.09680607454076284, coulomb_damping=0.033011729872992626,
+            radius=0.03930395699440607,
+        )  # fmt: skip
+        left = ll.Ball(
+            length=0.6608095312501593, mass=0.30560105716019065, damping=0.031593143515339976,
+            quadratic_damping=0.09008952154158421, coulomb_damping=0.03501590694553288,
+            radius=0.06399483238959035,
+        )  # fmt: skip
+        drive = ll.PlanarHarmonic(
+            vertical_amplitude=0.12069031971855945, horizontal_amplitude=0.11145358153047663,
+            drive_frequency=10.017292667260271, vertical_phase=0.5336439129632193,
+            horizontal_phase=0.6427742152127212,
+        )  # fmt: skip
+        start = {
+            "initial_angle": (-0.0371694448866563, -0.6629406922048592),
+            "initial_angular_velocity": (-2.3464004284966986, -0.20139801349099645),
+        }
+        pair = ll.BallPair(right=right, left=left, restitution=0.0)
+        times = np.array([3.6, 3.65, 3.7])
+        run = record(pair, drive, times=times, tolerance=1e-13, **start)
+        assert run["contact_kind"][-1] == "release"
+        assert run["contact_time"][-1] < times[1]
+        assert np.max(np.abs(run["angular_velocity_before"][:, -1])) < 1e-12
+        names = ("horizontal_phase", "right_coulomb_damping", "initial_angle_left")
+        assert worst(pair, drive, start, names, times=times) < ENOUGH
+
+
 class TestDoubt:
     def test_after_a_graze(self):
         """A ball whose turning point, without the drive, lies just behind the top wall."""
@@ -425,56 +491,3 @@ class TestRefusals:
         drive = replace(HARMONIC, drive_frequency=0.0)
         with pytest.raises(InputError, match="sets no amplitude at frequency 0"):
             ll.simulate(TOY, drive, duration=1.0, sensitivity_to="drive_acceleration_ratio", **ONE)
-
-
-def test_two_guards_that_are_always_met_together_are_doubted():
-    # The slack ball lies against the plane between both, draws its string taut there, and leaves.
-    toy = ll.LatoLato(
-        length=0.5886096404897327, mass=0.89, radius=0.042759520846914215, restitution=0.0,
-        suspension="string", string_restitution=0.0,
-    )  # fmt: skip
-    staged = ll.StagedHarmonic(
-        times=(0.0, 0.6325329198614633), drive_amplitudes=(0.13612753445015488, 0.2041913016752323),
-        drive_frequencies=(11.618714239687911, 13.942457087625494), ramps=(0.1, 0.3),
-        drive_phase=1.5829258260291281,
-    )  # fmt: skip
-    run = ll.simulate(
-        toy, staged, initial_angle=1.3932969576944934, duration=2.6, times=[1.18, 1.85],
-        initial_angular_velocity=-0.8642364150419134, sensitivity_to="gravity",
-    )  # fmt: skip
-    kinds, instants = run.contact_kind.values.tolist(), run.contact_time.values
-    (first, *_) = [i for i in range(len(kinds)) if kinds[i : i + 3] == ["taut", "bottom", "slack"]]
-    assert instants[first] == pytest.approx(instants[first + 2], abs=1e-9)
-    assert np.isfinite(run.angle_sensitivity.values[0]).tolist() == [True, False]
-    assert "two events fell on one instant" in run.sensitivity_status
-
-
-def test_balls_that_part_as_their_friction_turns_are_doubted():
-    right = ll.Ball(
-        length=0.6717865270562917, mass=0.9766933198476325, damping=0.0636201753339558,
-        quadratic_damping=0.09680607454076284, coulomb_damping=0.033011729872992626,
-        radius=0.03930395699440607,
-    )  # fmt: skip
-    left = ll.Ball(
-        length=0.6608095312501593, mass=0.30560105716019065, damping=0.031593143515339976,
-        quadratic_damping=0.09008952154158421, coulomb_damping=0.03501590694553288,
-        radius=0.06399483238959035,
-    )  # fmt: skip
-    drive = ll.PlanarHarmonic(
-        vertical_amplitude=0.12069031971855945, horizontal_amplitude=0.11145358153047663,
-        drive_frequency=10.017292667260271, vertical_phase=0.5336439129632193,
-        horizontal_phase=0.6427742152127212,
-    )  # fmt: skip
-    start = {
-        "initial_angle": (-0.0371694448866563, -0.6629406922048592),
-        "initial_angular_velocity": (-2.3464004284966986, -0.20139801349099645),
-    }
-    pair = ll.BallPair(right=right, left=left, restitution=0.0)
-    run = ll.simulate(
-        pair, drive, times=[3.6, 3.7], duration=3.7, tolerance=1e-13,
-        sensitivity_to="horizontal_phase", **start,
-    )  # fmt: skip
-    parted = run.isel(contact=run.contact_kind.values == "release").isel(contact=-1)
-    assert float(abs(parted.angular_velocity_before).max()) < 1e-9
-    assert np.isfinite(run.angle_sensitivity.values[0, 0]).tolist() == [True, False]
-    assert "two events fell on one instant" in run.sensitivity_status

@@ -30,7 +30,6 @@ from latolato.numerics.engine.loop import (
     Timetable,
     empty_arguments,
 )
-from latolato.numerics.engine.sensitivity import TOGETHER
 from latolato.numerics.kernels import (
     PREPARE,
     callback_kernels_of,
@@ -49,6 +48,7 @@ from latolato.numerics.prepare import (
 )
 from latolato.numerics.run_record import (
     MOST_PARAMETERS,
+    STATE,
     Output,
     State,
     as_objects,
@@ -59,7 +59,7 @@ from latolato.numerics.steppers import Stepper
 from latolato.numerics.trajectory import make_trajectory
 from latolato.observables import Observable
 from latolato.physics import problems
-from latolato.physics.contacts import CONTACT_KINDS, ContactLaw, ExactContact
+from latolato.physics.contacts import ContactLaw, ExactContact
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import (
     System,
@@ -73,8 +73,6 @@ Floats = NDArray[np.float64]
 # Steps after which a kernel hands back control, so that progress shows and Ctrl-C works.
 STEPS_PER_CALL = 200_000
 
-# Events are at one instant, and balls at rest, within so much [s, rad/s].
-_AT_ONCE = 1e-9
 # Energies are floats up to here; only linear motion grows so far.
 LARGEST = 1e100
 
@@ -165,29 +163,50 @@ def choose_step(
     InputError
         If a run of this duration [s] would take too many.
     """
-    case = _case_of(system, drive, start, duration, law, tolerance=tolerance)
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    case = _case_of(system, bounds, start, duration, law, tolerance=tolerance)
     runs = prepared_runs(case, choose_stepper(system), compiled=compiled)
     return float(runs["settings"]["step"][0])
 
 
 def _case_of(
-    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, **numbers: Any
-) -> NDArray[Any]:
-    """Return the case of one run, whose start is taken as it is."""
+    system: System, bounds: tuple[float, float], start: Start, duration: float, law: ContactLaw,
+    **numbers: Any,
+) -> NDArray[Any]:  # fmt: skip
+    """Return the case of one run, whose start is taken as it is, with its drive's bounds."""
     return cases_of(
         system, law, angles=start.angles, velocities=start.velocities,
-        bounds=(drive.largest_acceleration, drive.fastest_frequency), duration=duration,
-        is_exact=1, **numbers,
+        bounds=bounds, duration=duration, is_exact=1, **numbers,
     )  # fmt: skip
 
 
-def prepared_case(
-    system: System, drive: Drive, start: Start, duration: float, law: ContactLaw, step: float
-) -> NDArray[Any]:
-    """Return the record of a run at time zero, of shape (1,), with steps of this length [s]."""
-    case = _case_of(system, drive, start, duration, law)
-    case["step"] = step
-    return prepared_runs(case, choose_stepper(system))
+def prepared_numbers(
+    laws: Sequence[tuple[System, Drive, Start]], duration: float, law: ContactLaw, step: float
+) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
+    """Return settings, bodies and states at time zero of runs with steps of this length [s].
+
+    Arrays of shape (run,), (run, 4) and (run,), a row for each of the systems, drives and starts.
+    All runs have the bounds of the first one's drive.
+
+    Raises
+    ------
+    InputError
+        With what is wrong with one of the cases.
+    """
+    bounds = laws[0][1].largest_acceleration, laws[0][1].fastest_frequency
+    cases = np.zeros(len(laws), dtype=records.CASE)
+    for k, (system, _, start) in enumerate(laws):
+        cases[k] = _case_of(system, bounds, start, duration, law)[0]
+    cases["step"], none = step, empty_cases()
+    settings, states = (np.zeros(len(laws), dtype=dtype) for dtype in (records.SETTINGS, STATE))
+    bodies = np.zeros((len(laws), 4), dtype=records.BODY)
+    reported = np.zeros(len(laws), dtype=records.PROBLEM)
+    firsts = np.zeros(len(laws) + 1, dtype=np.int64)
+    prepare_cases(Cases(cases, none.segments, firsts, settings, bodies, states, reported))
+    for problem in reported:
+        if problem["number"] != problems.FINE:
+            raise problems.refusal(problem["number"], problem["values"])
+    return settings, bodies, states
 
 
 def laws_key(system: System) -> tuple[Formula, Formula]:
@@ -384,8 +403,8 @@ def integrate(
     stepper = choose_stepper(system)
     angles = system.angles
     case = _case_of(
-        system, drive, start, duration, law, rest_speed=rest_speed, follows_ledger=1,
-        follows_tension=not system.is_linear,
+        system, (drive.largest_acceleration, drive.fastest_frequency), start, duration, law,
+        rest_speed=rest_speed, follows_ledger=1, follows_tension=not system.is_linear,
     )  # fmt: skip
     for i, distance in enumerate(start.distances):
         case["initial_distance"][:, i] = distance
@@ -459,42 +478,9 @@ def integrate(
             status = sentence("contact_limit", time=reached, limit=contact_limit)
             break
         room = min(max(room, 2 * written), 65536)
-    trajectory = Trajectory(
+    return Trajectory(
         samples, np.concatenate(times), np.concatenate(kinds), np.concatenate(values, axis=1),
         state, float(min(reached, duration)), step, stepper, status, failed,
         acc.reshape(-1, angles), int(runs["doubt"][0]),
         float(runs["doubted_since"][0]) if runs["doubt"][0] else math.inf,
     )  # fmt: skip
-    if parameters:
-        _doubt_coincidences(trajectory, system, sample_times, parameters)
-    return trajectory
-
-
-def _doubt_coincidences(
-    trajectory: Trajectory, system: System, times: Floats, parameters: int
-) -> None:
-    """Forget derivatives from where two guards are met at one instant, whatever the parameters.
-
-    A slack ball that lies against the plane between both draws its string taut on that plane, and
-    may leave it at once, slack again. And the friction of two balls that rest on each other turns
-    with their velocity, which may part them in that instant. Which of the guards moves the event
-    is not followed.
-    """
-    instants, angles = trajectory.contact_times, system.angles
-    kinds = np.array(CONTACT_KINDS)[trajectory.contact_kinds]
-    met = np.isin(kinds, ("bottom", "top"))
-    doubted = np.zeros(len(instants), dtype=bool)
-    near = np.diff(instants) <= _AT_ONCE
-    if len(instants) > 2:
-        drawn, left = kinds[:-2] == "taut", kinds[2:] == "slack"
-        doubted[1:-1] = drawn & met[1:-1] & left & near[:-1] & near[1:]
-    if angles == 2 and any(ball.coulomb_damping > 0.0 for ball in system.balls):
-        still = np.all(np.abs(trajectory.contact_values[:2]) <= _AT_ONCE, axis=0)
-        doubted |= (kinds == "release") & still
-    if not doubted.any() or instants[doubted][0] >= trajectory.doubted_since:
-        return
-    since = float(instants[doubted][0])
-    trajectory.doubt, trajectory.doubted_since = TOGETHER, since
-    size = 2 * angles * parameters
-    trajectory.samples[len(trajectory.samples) - size :, times > since] = math.nan
-    trajectory.contact_values[records.CONTACT_ROWS :, instants > since] = math.nan

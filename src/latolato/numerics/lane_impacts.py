@@ -14,12 +14,12 @@ from latolato.numerics import lane_rows as r
 from latolato.numerics.batch import Points, Progress, Scratch
 from latolato.numerics.callbacks import ON_STEP, ON_TANGENT, Accumulators, Callbacks
 from latolato.numerics.engine.laws import Laws
-from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep
+from latolato.numerics.engine.taut_step import TautStep
 from latolato.numerics.lane_locate import EXTENDABLE, MOST_DRAG
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, inlined
 from latolato.numerics.records import Floats
-from latolato.numerics.run_record import REST, Run
+from latolato.numerics.run_record import ANY_LENGTH, REST, Run
 from latolato.numerics.wall_contact import hop, wall_contact
 from latolato.observables import Step
 from latolato.observables.hermite import turning_angle

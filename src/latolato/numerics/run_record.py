@@ -36,6 +36,9 @@ NOTHING, TURN, CONTACT, SETTLE, RELEASE, GO_SLACK, RETENSION = range(7)
 PAIR_ROW = 2
 # Rows of a step's table.
 KICK, DRIFT_TIME, OFFSET = 0, 1, 2
+# Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
+# ball 1, ball 2 and both as one body.
+ANY_LENGTH = 2
 # The last rows of `tangent_map`: by how much perturbations delay the present event, for each ball
 # [s].
 DELAY_ROWS = 8
@@ -194,6 +197,11 @@ class Run(Protocol):
     delay: Floats  # by how much the present event is later [s per unit], shape (parameter,)
     kept: Floats  # a copy of the tangent map through slack
     segment_changes: list[Segment]  # of the present segment, shape (parameter + 1,)
+    # The latest step by each table, kick by kick: the angle, the velocity after it, and the pivot's
+    # accelerations and velocities; and where a step ends that is only taken to be recorded.
+    path: Floats
+    begun: Floats  # the forcing before it, shape (2, parameter)
+    passing: list[Point]
     segment: Segment  # last: a drive may bring its own layout
 
 
@@ -225,6 +233,9 @@ def run_dtype(segment: np.dtype[Any] | None = None, parameters: int = 0) -> np.d
         delay=_array("f8", parameters),
         kept=_array("f8", slack_rows, columns),
         segment_changes=_array(segment, directions),
+        path=_array("f8", 5 if parameters > 0 else 0, MOST_STAGES + 1, 6),
+        begun=_array("f8", 2, parameters),
+        passing=_array(POINT, 1 if parameters > 0 else 0),
         segment=segment,
     )
 

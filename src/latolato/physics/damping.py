@@ -147,12 +147,13 @@ def _log_excess(x: float) -> float:
 
 
 @formula
-def drift_changes(
-    velocity: float, sign: float, interval: float, body: Any, change: Any
-) -> tuple[float, float]:
-    """Derivatives of what `drift` returns with respect to a parameter, at a fixed velocity.
+def drift_weights(
+    velocity: float, sign: float, interval: float, body: Any
+) -> tuple[float, float, float, float]:
+    """Derivatives of what `drift` returns by the drag, at a fixed velocity.
 
-    With ``x = c2 sign w E`` and ``d = 1 + x`` the travelled angle ``ln(d)/(c2 sign)`` has the
+    Those of the angle by ``damping_rate`` and ``quadratic``, then those of the velocity. With
+    ``x = c2 sign w E`` and ``d = 1 + x`` the travelled angle ``ln(d)/(c2 sign)`` has the
     derivatives ``w/d`` by E and ``sign (w E)^2 (x/d - ln d)/x^2`` by c2; the velocity afterwards is
     ``w (1 - c1 E)/d``.
 
@@ -160,13 +161,8 @@ def drift_changes(
     ----------
     interval : float
         The interval itself [s], of which `drift` gets the `effective_time` E.
-    change : record
-        By how much ``damping_rate`` and ``quadratic`` change per unit of the parameter.
     """
-    return _flow_changes(
-        velocity, sign, interval, body.damping_rate, body.quadratic, change.damping_rate,
-        change.quadratic,
-    )  # fmt: skip
+    return _flow_weights(velocity, sign, interval, body.damping_rate, body.quadratic)
 
 
 @formula
@@ -176,26 +172,27 @@ def drift_changes_in_plane(
     """Derivatives of the way and the speed of `drift_in_plane` with respect to a parameter."""
     quadratic = body.quadratic * body.inverse_length
     grown = change.quadratic * body.inverse_length + body.quadratic * change.inverse_length
-    return _flow_changes(
-        speed, 1.0, interval, body.damping_rate, quadratic, change.damping_rate, grown
-    )
+    way, longer, slower, drawn = _flow_weights(speed, 1.0, interval, body.damping_rate, quadratic)
+    rate_change = change.damping_rate
+    return way * rate_change + longer * grown, slower * rate_change + drawn * grown
 
 
 @formula
-def _flow_changes(
-    velocity: float, sign: float, interval: float, rate: float, quadratic: float,
-    rate_change: float, quadratic_change: float,
-) -> tuple[float, float]:  # fmt: skip
-    """See `drift_changes`."""
-    time = effective_time(rate, interval)
-    later = _effective_time_slope(rate, interval) * rate_change
+def _flow_weights(
+    velocity: float, sign: float, interval: float, rate: float, quadratic: float
+) -> tuple[float, float, float, float]:
+    """See `drift_weights`."""
+    time, later = effective_time(rate, interval), _effective_time_slope(rate, interval)
     way = velocity * time
     x, divisor = quadratic * sign * way, 1.0 + quadratic * sign * way
-    kept = 1.0 - rate * time
-    farther = velocity * later / divisor + sign * way * way * _log_excess(x) * quadratic_change
-    grown = sign * (quadratic_change * way + quadratic * velocity * later)
-    slowed = rate_change * time + rate * later + kept * grown / divisor
-    return farther, -velocity * slowed / divisor
+    kept = (1.0 - rate * time) * sign / divisor
+    slowed = time + rate * later + kept * quadratic * velocity * later
+    return (
+        velocity * later / divisor,
+        sign * way * way * _log_excess(x),
+        -velocity * slowed / divisor,
+        -velocity * kept * way / divisor,
+    )
 
 
 @formula

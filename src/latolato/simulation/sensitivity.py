@@ -21,7 +21,7 @@ from latolato.core.quantities import Range
 from latolato.core.registry import suggest
 from latolato.numerics import records
 from latolato.numerics.engine import sensitivity as engine
-from latolato.numerics.integrate import Directions, Floats, Start, prepared_case
+from latolato.numerics.integrate import Directions, Floats, Start, prepared_numbers
 from latolato.numerics.run_record import CHANGE, MOST_PARAMETERS
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough
 from latolato.physics.drives import Drive
@@ -53,6 +53,8 @@ _FORWARD = {1: 6.0, 2: -15 / 2, 3: 20 / 3, 4: -15 / 4, 5: 6 / 5, 6: -1 / 6}
 _WIDTH = 2e-3
 # The same of second order, with a third of the formulas to compute, exact to some 1e-8.
 _QUICK, _QUICK_WIDTH = {-1: -0.5, 1: 0.5}, 1e-4
+# Segments are looked for up to this multiple of a run's end, beyond what these widths may shift.
+_BEYOND = 1.1
 
 
 def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
@@ -155,18 +157,29 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
         If a parameter acts on nothing, as a mass without drag.
     """
     slopes = []
-    middle = numbers_of(plan.system, plan.drive, plan.start, plan.end, plan.law, plan.step)
     ratios = [each for each in plan.sensitivity_to if each.name in _RATIOS]
     held = {ratio.name: _value_of(plan, ratio) for ratio in ratios}
+    laws = [(plan.system, plan.drive, plan.start)]
+    still = numbers_of(laws, plan.end, plan.law, plan.step) | segments_of([plan.drive], plan.end)
+    unchanged = {name: np.zeros_like(middle[0]) for name, middle in still.items()}
     for parameter in parameters:
+        if parameter.owner == "run":
+            unit = np.eye(4)[_place_of(parameter.name)]
+            slopes.append({**unchanged, "start": unit})
+            continue
         value = _value_of(plan, parameter)
         size = max(map(abs, parameter.suggested)) if parameter.suggested else 1.0
 
-        def numbers(value: float, name: str = parameter.name) -> Numbers:
-            varied = _varied(plan, name, value, held)
-            return numbers_of(*varied, plan.end, plan.law, plan.step)
+        def numbers(values: Sequence[float], parameter: Parameter = parameter) -> Numbers:
+            varied = [_varied(plan, parameter, value, held) for value in values]
+            result: Numbers = {}
+            if parameter.owner == "system":
+                result |= numbers_of(varied, plan.end, plan.law, plan.step)
+            if varied[0][1] is not plan.drive:
+                result |= segments_of([drive for _, drive, _ in varied], plan.end)
+            return result
 
-        own = slopes_of(numbers, middle, value, abs(value) or size, parameter.allowed)
+        own = unchanged | slopes_of(numbers, value, abs(value) or size, parameter.allowed)
         if not _acts(plan, own):
             raise InputError(
                 f"names {parameter.name}, which does not act on this run",
@@ -179,8 +192,10 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
 
 def joined(slopes: Sequence[Numbers]) -> Directions:
     """Return the derivatives of a run's numbers with respect to several parameters together."""
+    changes = np.array([each["changes"] for each in slopes])
+    changes["moves_pivot"] = [np.any(_floats(each["segments"])) for each in slopes]
     return Directions(
-        np.array([each["changes"][0] for each in slopes]),
+        changes,
         np.array([each["segments"] for each in slopes]),
         np.column_stack([each["start"] for each in slopes]),
     )
@@ -188,14 +203,14 @@ def joined(slopes: Sequence[Numbers]) -> Directions:
 
 def _acts(plan: RunPlan, slopes: Numbers) -> bool:
     """Return whether a parameter acts on a run: not all numbers matter to all systems."""
-    system, change = plan.system, slopes["changes"][0]
+    system, change = plan.system, slopes["changes"]
     names = ["inverse_length", "damping_rate", "quadratic", "coulomb"]
     if system.angles == 2:
         names.append("inertia")
     if system.drag_frame == "lab":
         names += ["wind_drag", "wind_offset"]
     seen = [change["bodies"][name] for name in names]
-    seen += [change["gravity"], change["moves_pivot"], slopes["start"]]
+    seen += [change["gravity"], _floats(slopes["segments"]), slopes["start"]]
     if system.has_contacts and plan.law.meets:
         seen += [change[name] for name in ("low", "high", "restitution")]
     if system.suspension == "string":
@@ -204,8 +219,7 @@ def _acts(plan: RunPlan, slopes: Numbers) -> bool:
 
 
 def slopes_of(
-    numbers: Callable[[float], Numbers],
-    at: Numbers,
+    numbers: Callable[[Sequence[float]], Numbers],
     value: float,
     size: float,
     allowed: Range,
@@ -217,9 +231,8 @@ def slopes_of(
     Parameters
     ----------
     numbers : callable
-        Returns those of `numbers_of` for a value of the parameter.
-    at : dict
-        What it returns for the present one.
+        Returns those of `numbers_of` or `segments_of` for several values of the parameter, the
+        first of which is `value`.
     value, size : float
         Where, and how large a parameter of its kind is.
     allowed : Range
@@ -240,17 +253,17 @@ def slopes_of(
         if not all(place in allowed for place in places):
             continue
         try:
-            around = [numbers(place) for place in places]
+            found = numbers([value, *places])
         except InputError as error:  # laws may forbid more, such as a radius beyond the length
             refusal = error
             continue
-        slopes = {name: np.zeros_like(middle) for name, middle in at.items()}
-        for weight, each in zip(weights.values(), around, strict=True):
-            for name, middle in at.items():
-                own, here, there = map(_floats, (slopes[name], middle, each[name]))
-                moves = there != here  # walls that balls never meet are infinite
-                own[moves] += weight / width * (there[moves] - here[moves])
-        slopes["changes"]["moves_pivot"] = bool(np.any(_floats(slopes["segments"])))
+        slopes = {name: np.zeros_like(each[0]) for name, each in found.items()}
+        shares = np.array(list(weights.values())) / width
+        for name, each in found.items():
+            here, *there = (_floats(numbers) for numbers in each)
+            with np.errstate(invalid="ignore"):  # walls that balls never meet are infinite
+                changes = [np.where(other != here, other - here, 0.0) for other in there]
+            _floats(slopes[name])[:] = shares @ np.array(changes)
         return slopes
     raise refusal or InputError(
         "names a parameter that its limits leave no room to change", parameter="sensitivity_to"
@@ -264,30 +277,20 @@ def _floats(numbers: Any) -> Floats:
 
 
 def _value_of(plan: RunPlan, parameter: Parameter) -> float:
-    """Return a parameter's value in a run."""
+    """Return the value of a parameter of a run's system or drive."""
     name, system, drive = parameter.name, plan.system, plan.drive
-    if parameter.owner in ("system", "drive") and name in _RATIOS:
+    if name in _RATIOS:
         return float(_RATIOS[name][1](system, drive))
-    if parameter.owner in ("system", "drive"):
-        value: Any = system if parameter.owner == "system" else drive
-        for part in parameter.path:
-            value = getattr(value, part)
-        return float(value)
-    if name == "initial_offset":
-        assert plan.offset is not None
-        return plan.offset
-    stem, ball = _ball_of(name)
-    if stem == "initial_angle":
-        return plan.start.angles[ball]
-    return plan.start.velocities[ball]
+    value: Any = system if parameter.owner == "system" else drive
+    for part in parameter.path:
+        value = getattr(value, part)
+    return float(value)
 
 
-def _ball_of(name: str) -> tuple[str, int]:
-    """Return the name of a start's parameter without its ball, and which ball it is."""
-    for ball, side in enumerate(("_right", "_left")):
-        if name.endswith(side):
-            return name.removesuffix(side), ball
-    return name, 0
+def _place_of(name: str) -> int:
+    """Return which number of the start a parameter is."""
+    place = 1 if name.startswith("initial_angular_velocity") else 0
+    return place + 2 if name.endswith("_left") else place
 
 
 def _lift(system: System, drive: Any) -> float:
@@ -318,56 +321,54 @@ _RATIOS: dict[str, tuple[str, Callable[..., float], Callable[..., float]]] = {
 
 
 def _varied(
-    plan: RunPlan, name: str, value: float, held: Mapping[str, float]
+    plan: RunPlan, parameter: Parameter, value: float, held: Mapping[str, float]
 ) -> tuple[System, Drive, Start]:
-    """Return the laws and the start of a run in which one parameter has another value.
+    """Return the laws and the start of a run whose system or drive has another value.
 
     The ratios `held` keep theirs: numbers of the drive follow.
     """
     system, drive, start = plan.system, plan.drive, plan.start
-    parameter = parameters_of(system, drive)[name]
     if parameter.owner == "system":
         system = replaced(system, {parameter.path: value})
-    elif parameter.owner == "drive" and name not in _RATIOS:
+    elif parameter.name not in _RATIOS:
         drive = replaced(drive, {parameter.path: value})
-    elif parameter.owner == "run" and name != "initial_offset":
-        stem, ball = _ball_of(name)
-        field = {"initial_angle": "angles", "initial_angular_velocity": "velocities"}[stem]
-        numbers = list(getattr(start, field))
-        numbers[ball] = value
-        start = replace(start, **{field: tuple(numbers)})
     for ratio, (target, _, number) in _RATIOS.items():
         if ratio in held:
-            own = value if ratio == name else held[ratio]
+            own = value if ratio == parameter.name else held[ratio]
             drive = replace(drive, **{target: number(system, drive, own)})
     if plan.offset is not None:
         assert isinstance(system, LatoLato)
-        offset = value if name == "initial_offset" else plan.offset
-        start = replace(start, angles=(system.contact_angle_low + offset,))
+        start = replace(start, angles=(system.contact_angle_low + plan.offset,))
     return system, drive, start
 
 
 def numbers_of(
-    system: System, drive: Any, start: Start, end: float, law: ContactLaw, step: float,
-    segments: NDArray[Any] | None = None,
-) -> Numbers:  # fmt: skip
-    """Return what the engine reads of a run up to `end` [s]: changes, segments and start.
+    laws: Sequence[tuple[System, Any, Start]], end: float, law: ContactLaw, step: float
+) -> Numbers:
+    """Return what the engine reads of runs up to `end` [s] but for their drives: changes, starts.
 
-    The segments of the drive are found if they are not given.
+    There is a row for each of the systems, drives and starts.
     """
-    case = prepared_case(system, drive, start, end, law, step)
-    settings, state = case["settings"][0], case["state"][0]
-    changes = np.zeros(1, dtype=CHANGE)
-    changes["bodies"][0] = case["bodies"][0]
+    settings, bodies, states = prepared_numbers(laws, end, law, step)
+    changes = np.zeros(len(laws), dtype=CHANGE)
+    changes["bodies"] = bodies
     for name in CHANGE.names or ():
-        if name in settings.dtype.names:
-            changes[name][0] = settings[name]
-    angles, velocities = state["angle"], state["velocity"]
+        if name in (settings.dtype.names or ()):
+            changes[name] = settings[name]
+    angles, velocities = states["angle"], states["velocity"]
     return {
         "changes": changes,
-        "segments": records.segment_records(drive, end) if segments is None else segments,
-        "start": np.array([angles[0], velocities[0], angles[1], velocities[1]]),
+        "start": np.column_stack([angles[:, 0], velocities[:, 0], angles[:, 1], velocities[:, 1]]),
     }
+
+
+def segments_of(drives: Sequence[Any], end: float) -> Numbers:
+    """Return the segments of drives up to `end` [s], as many for each as the first one has."""
+    first, *others = drives
+    segments = records.segment_records(first, end)
+    # One that begins close to the end begins later for another value of the parameter.
+    later = [records.segment_records(drive, _BEYOND * end) for drive in others]
+    return {"segments": np.array([segments, *(each[: len(segments)] for each in later)])}
 
 
 def batches_of(parameters: Sequence[Parameter]) -> list[Sequence[Parameter]]:

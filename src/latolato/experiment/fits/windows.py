@@ -21,7 +21,7 @@ from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import System
-from latolato.simulation.sensitivity import Numbers, joined, numbers_of, slopes_of
+from latolato.simulation.sensitivity import Numbers, joined, numbers_of, segments_of, slopes_of
 from latolato.simulation.start import between_walls, walls_of
 
 # Samples to either side from which the state at the start of a window is guessed.
@@ -190,15 +190,19 @@ class WindowedModel:
             return []
         window, begun = self.windows[k], self._begun(system, p, k)
         end = float(window.times[-1])
-        still = numbers_of(system, drive, begun, end, _EXACT, self.step)
 
-        def numbers(value: float, name: str) -> Numbers:
-            law, moved = self.laws({**p, name: value})
+        def numbers(values: Sequence[float], name: str) -> Numbers:
+            pairs = [self.laws({**p, name: value}) for value in values]
             if self._held:  # of a measured pivot there are thousands
-                return numbers_of(law, drive, begun, end, _EXACT, self.step, still["segments"])
-            return numbers_of(law, self._later(moved, window), begun, end, _EXACT, self.step)
+                laws = [(law, drive, begun) for law, _ in pairs]
+                return numbers_of(laws, end, _EXACT, self.step)
+            moved = [(law, self._later(other, window), begun) for law, other in pairs]
+            own = numbers_of(moved, end, _EXACT, self.step)
+            return own | segments_of([later for _, later, _ in moved], end)
 
-        unchanged = {name: np.zeros_like(values) for name, values in still.items()}
+        still = numbers_of([(system, drive, begun)], end, _EXACT, self.step)
+        still |= segments_of([drive], end)
+        unchanged = {name: np.zeros_like(values[0]) for name, values in still.items()}
         units = [name for j in range(self.angles) for name in start_names(k, j)]
         directions: list[Numbers] = []
         for name in names:
@@ -210,7 +214,7 @@ class WindowedModel:
                 allowed = Range(guess.low, guess.high)
                 size = max(abs(p[name]), 1e-3)
                 one = partial(numbers, name=name)
-                own = slopes_of(one, still, p[name], size, allowed, is_quick=True)
+                own |= slopes_of(one, p[name], size, allowed, is_quick=True)
             directions.append(own)
         return directions
 

@@ -14,14 +14,13 @@ from latolato.numerics.contact_time import GAP, crossing, make_root
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.slack_step import NO_SLACK_STEP, SlackStep, place_taut
 from latolato.numerics.engine.taut_step import (
-    ANY_LENGTH,
     TautStep,
     acceleration_with_drag,
     acceleration_with_friction,
 )
 from latolato.numerics.engine.tension import Tension, make_tension
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.run_record import Point, Run
+from latolato.numerics.run_record import ANY_LENGTH, Point, Run
 
 
 class Balls(NamedTuple):

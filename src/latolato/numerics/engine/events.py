@@ -264,13 +264,37 @@ def make_events(
         balls.settle(run)
 
     @part
+    def acceleration_at_turn(run: Run) -> float:
+        """Acceleration of two balls in contact that turn at the end of a step, else 0 [rad/s^2]."""
+        end, body = run.end[PAIR_ROW], 2 if run.state.side < 0.0 else 3
+        turns = two and run.is_nonsmooth != 0 and end.velocity * end.sign <= 0.0
+        if not turns or balls.gap_rate(run.now) != 0.0:
+            return 0.0
+        turning: float = acceleration_with_drag(end, run.bodies[body])
+        return turning
+
+    @part
+    def report_parting(run: Run, accumulators: Accumulators, before: float) -> None:
+        """Report the saltation matrix of two balls that part as they turn, by their own friction.
+
+        Their acceleration just before is the same.
+        """
+        clear_matrix(run.jacobian, 4)
+        for i in range(2):
+            after = acceleration_with_drag(run.now[i], run.bodies[i])
+            write_matrix(run.jacobian, i, (1.0, 0.0, 0.0, after / before))
+        report.matrix(run, accumulators, 4, 0.0, -math.inf)
+
+    @part
     def release(run: Run, output: Output, accumulators: Accumulators) -> None:
         """Event: sticking contact ends."""
-        state = run.state
-        sensitivity.reach_release(run)
+        state, turning = run.state, acceleration_at_turn(run)
+        sensitivity.reach_release(run, turning)
         state.mode, state.touch = FLIGHT, state.side
         write_row(run, output, contacts.RELEASE, run.now[0].velocity, run.now[1].velocity)
         balls.settle(run)
+        if turning != 0.0:
+            report_parting(run, accumulators, turning)
 
     return (
         Event(TURN, turn), Event(CONTACT, apply_impact), Event(SETTLE, start_sticking),

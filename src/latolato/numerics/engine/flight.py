@@ -14,14 +14,13 @@ from latolato.numerics.engine.sensitivity import GRAZING, GRAZING_DEPTH, Sensiti
 from latolato.numerics.engine.stiction import Stiction, add_compression
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.taut_step import (
-    ANY_LENGTH,
     SHORTEST,
     TautStep,
     acceleration_with_drag,
 )
 from latolato.numerics.matrices import clear_matrix, write_matrix
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.run_record import CONTACT, FLIGHT, SETTLE, TURN, Point, Run
+from latolato.numerics.run_record import ANY_LENGTH, CONTACT, FLIGHT, SETTLE, TURN, Point, Run
 from latolato.numerics.wall_contact import hop
 from latolato.observables.hermite import quintic_bounds
 from latolato.physics.damping import divergence
@@ -272,9 +271,12 @@ def make_flight(
     def write_tangent(run: Run, length: float) -> None:
         """Write the tangent map of a part of the step, one block a ball."""
         clear_matrix(run.jacobian, 4)
+        is_whole = run.is_whole != 0 and length == run.length
         for i in range(count):
-            swing.prepare(run, i, ANY_LENGTH + i, length)
-            write_matrix(run.jacobian, i, swing.tangent(run, i, ANY_LENGTH + i, run.now[i]))
+            table = i if is_whole else ANY_LENGTH + i
+            if not is_whole:
+                swing.prepare(run, i, table, length)
+            write_matrix(run.jacobian, i, swing.tangent(run, i, table, run.now[i]))
 
     @part
     def note_matrix(run: Run, accumulators: Accumulators) -> None:

@@ -14,12 +14,14 @@ from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.parts import Part, as_it_stands, inlined
 from latolato.numerics.records import Body
-from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
-from latolato.physics.damping import drift, drift_changes, drift_slopes
+from latolato.numerics.run_record import ANY_LENGTH, DRIFT_TIME, KICK, OFFSET, Point, Run
+from latolato.physics.damping import drift, drift_slopes, drift_weights
 from latolato.physics.pendulum import swung
 
 # The pivot's acceleration [m/s^2] and its velocity against the air [m/s], x and y each.
 Motion = tuple[float, float, float, float]
+# Derivatives of an angular acceleration in the plane.
+PlaneWeights = tuple[float, float, float, float, float, float, float]
 
 
 class Pull(NamedTuple):
@@ -37,8 +39,14 @@ class Pull(NamedTuple):
         The tension over mass and length [1/s^2].
     moved : function ``(run, t, p)``
         The derivative of the pivot's `Motion` with respect to parameter p.
-    change : function ``(run, b, angle, moving, body, p, moved)``
-        That of the sum of `accelerations`, at a fixed angle, for the body of this number.
+    weights : function ``(run, b, angle, moving)``
+        The derivatives of the sum of `accelerations`, at a fixed angle, by the numbers in it.
+    add_weights : function ``(totals, weights, share)``
+        Totals of weights with a share of further ones.
+    driven_change : function ``(weights, moved)``
+        By how much the pivot's changed motion changes that sum.
+    steady_change : function ``(run, weights, body, p)``
+        By how much parameter p changes it otherwise, for the body of this number.
     """
 
     motion: Callable[..., Motion]
@@ -46,7 +54,10 @@ class Pull(NamedTuple):
     gradient: Callable[..., float]
     tension: Callable[..., float]
     moved: Callable[..., Motion]
-    change: Callable[..., float]
+    weights: Callable[..., Any]
+    add_weights: Callable[..., Any]
+    driven_change: Callable[..., float]
+    steady_change: Callable[..., float]
 
 
 class Forces(NamedTuple):
@@ -111,15 +122,32 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         return 0.0, acceleration_change(t, run.segment, run.segment_changes[p]), 0.0, 0.0
 
     @inline
-    def change(
-        run: Run, b: Body, angle: float, moving: Motion, body: int, p: int, moved: Motion
-    ) -> float:
-        changed, restored = run.changes[p], restoring(angle, run.settings.is_linear)
-        lifted, shorter = changed.gravity + moved[1], changed.bodies[body].inverse_length
-        result: float = swung(lifted, b.inverse_length, restored)
-        return result + swung(run.settings.gravity + moving[1], shorter, restored)
+    def weights(run: Run, b: Body, angle: float, moving: Motion) -> tuple[float, float]:
+        """By gravity and by the inverse length."""
+        restored = restoring(angle, run.settings.is_linear)
+        lifted = run.settings.gravity + moving[1]
+        return swung(1.0, b.inverse_length, restored), swung(lifted, 1.0, restored)
 
-    pull = Pull(motion, accelerations, gradient, tension, moved, change)
+    @inline
+    def add_weights(
+        totals: tuple[float, float], weights: tuple[float, float], share: float
+    ) -> tuple[float, float]:
+        return totals[0] + share * weights[0], totals[1] + share * weights[1]
+
+    @inline
+    def driven_change(weights: tuple[float, float], moved: Motion) -> float:
+        return weights[0] * moved[1]
+
+    @inline
+    def steady_change(run: Run, weights: tuple[float, float], body: int, p: int) -> float:
+        changed = run.changes[p]
+        shorter: float = changed.bodies[body].inverse_length
+        return weights[0] * changed.gravity + weights[1] * shorter
+
+    pull = Pull(
+        motion, accelerations, gradient, tension, moved, weights, add_weights, driven_change,
+        steady_change,
+    )  # fmt: skip
     return make_forces(pull, laws, part)
 
 
@@ -195,19 +223,45 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return ax, ay, wx, up_velocity_change(t, segment, changed)
 
     @part
-    def change(
-        run: Run, b: Body, angle: float, moving: Motion, body: int, p: int, moved: Motion
-    ) -> float:
-        (ax, ay, wx, wy), (dax, day, dwx, dwy) = moving, moved
-        other, lifted = run.changes[p].bodies[body], run.settings.gravity + ay
-        result: float = angular_acceleration(b, angle, -dax, -run.changes[p].gravity - day)
-        result += angular_acceleration(other, angle, -ax, -lifted)
-        result += wind_acceleration(b, angle, dwx, dwy)
+    def weights(run: Run, b: Body, angle: float, moving: Motion) -> PlaneWeights:
+        """By the pivot's acceleration, the inverse length, the wind, its drag and its offset."""
+        ax, ay, wx, wy = moving
+        c, s = cosine(angle), sine(angle)
+        along = -ax * c - (run.settings.gravity + ay) * s
+        if run.settings.in_lab == 0:
+            return -b.inverse_length * c, -b.inverse_length * s, along, 0.0, 0.0, 0.0, 0.0
         turned = angle + b.wind_offset
-        result -= other.wind_drag * (wx * cosine(turned) + wy * sine(turned))
-        return result + other.wind_offset * wind_acceleration(b, angle, wy, -wx)
+        c_wind, s_wind = cosine(turned), sine(turned)
+        blown, crossing = -(wx * c_wind + wy * s_wind), -b.wind_drag * (wy * c_wind - wx * s_wind)
+        return (
+            -b.inverse_length * c, -b.inverse_length * s, along, -b.wind_drag * c_wind,
+            -b.wind_drag * s_wind, blown, crossing,
+        )  # fmt: skip
 
-    pull = Pull(motion, accelerations, gradient, tension, moved, change)
+    @inline
+    def add_weights(totals: PlaneWeights, weights: PlaneWeights, share: float) -> PlaneWeights:
+        return (
+            totals[0] + share * weights[0], totals[1] + share * weights[1],
+            totals[2] + share * weights[2], totals[3] + share * weights[3],
+            totals[4] + share * weights[4], totals[5] + share * weights[5],
+            totals[6] + share * weights[6],
+        )  # fmt: skip
+
+    @inline
+    def driven_change(weights: PlaneWeights, moved: Motion) -> float:
+        pulled = weights[0] * moved[0] + weights[1] * moved[1]
+        return pulled + weights[3] * moved[2] + weights[4] * moved[3]
+
+    @inline
+    def steady_change(run: Run, weights: PlaneWeights, body: int, p: int) -> float:
+        other = run.changes[p].bodies[body]
+        result: float = weights[1] * run.changes[p].gravity + weights[2] * other.inverse_length
+        return result + weights[5] * other.wind_drag + weights[6] * other.wind_offset
+
+    pull = Pull(
+        motion, accelerations, gradient, tension, moved, weights, add_weights, driven_change,
+        steady_change,
+    )  # fmt: skip
     return make_forces(pull, laws, part)
 
 
@@ -215,7 +269,9 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
     """Make the functions of a ball under a pull."""
     accelerations, gradient, pull_tension = pull.accelerations, pull.gradient, pull.tension
     motion, push, push_slope = pull.motion, laws.push, laws.push_slope
-    moved, change, sensitive = pull.moved, pull.change, len(laws.changes) > 0
+    moved, weights, add_weights = pull.moved, pull.weights, pull.add_weights
+    driven_change, steady_change = pull.driven_change, pull.steady_change
+    sensitive = len(laws.changes) > 0
     follows_always = laws.plane is not None  # strings need it
 
     @part
@@ -268,6 +324,13 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
             point.tension = tension(run, body, point)
 
     @inlined(part)
+    def record(run: Run, table: int, i: int, angle: float, velocity: float, moving: Motion) -> None:
+        """Record a kick for `recorded_tangent`."""
+        run.path[table, i, 0], run.path[table, i, 1] = angle, velocity
+        run.path[table, i, 2], run.path[table, i, 3] = moving[0], moving[1]
+        run.path[table, i, 4], run.path[table, i, 5] = moving[2], moving[3]
+
+    @inlined(part)
     def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
         """Take the step of a table that was prepared.
 
@@ -292,6 +355,8 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
             work += h * driven * middle
             loss += h * (friction - blown) * middle
             velocity += change
+            if sensitive:
+                record(run, table, i, angle, velocity, moving)
             travelled, slower = drift(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
@@ -305,6 +370,8 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         work += h * driven * middle
         loss += h * (friction - blown) * middle
         velocity += change
+        if sensitive:
+            record(run, table, run.stages, angle, velocity, moving)
         end.angle, end.velocity, end.sign = angle, velocity, sign
         end.acceleration, end.driven = a, driven
         end.across, end.pivot_acceleration, end.wind_x, end.wind_y = moving
@@ -321,9 +388,9 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
     @part
     def pull_change(run: Run, body: int, t: float, angle: float, p: int) -> float:
         """Derivative of `free` with respect to parameter p, at a fixed angle."""
-        b, moving = run.bodies[body], pivot_motion(run, t)
-        result: float = change(run, b, angle, moving, body, p, pivot_change(run, t, p))
-        return result
+        by = weights(run, run.bodies[body], angle, pivot_motion(run, t))
+        result: float = driven_change(by, pivot_change(run, t, p))
+        return result + steady_change(run, by, body, p)
 
     @part
     def pull_gradient(run: Run, body: int, t: float, angle: float) -> float:
@@ -351,31 +418,34 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         shorter: float = other.inverse_length * (x * s - y * c)
         return 2.0 * point.velocity * faster + b.inverse_length * pulled + shorter
 
-    @inlined(part)
-    def kick_forcing(
-        run: Run, body: int, row: int, t: float, angle: float, moving: Motion, sign: float,
-        h: float, kicked: float,
-    ) -> None:  # fmt: skip
-        """Follow the forcing through a kick that changes a perturbation by `kicked`."""
-        b = run.bodies[body]
+    @part
+    def changes_drag(run: Run, body: int) -> bool:
+        """Whether a parameter changes the drag against the pivot."""
         for p in range(run.parameters):
-            pulled = change(run, b, angle, moving, body, p, pivot_change(run, t, p))
-            pulled -= run.changes[p].bodies[body].coulomb * sign
-            run.forcing[row + 1, p] += kicked * run.forcing[row, p] + h * pulled
+            other = run.changes[p].bodies[body]
+            if other.damping_rate != 0.0 or other.quadratic != 0.0:
+                return True
+        return False
+
+    @part
+    def changes_drive(run: Run) -> bool:
+        """Whether a parameter changes the pivot's motion."""
+        seen = False
+        for p in range(run.parameters):
+            seen = seen or run.changes[p].moves_pivot != 0
+        return seen
 
     @inlined(part)
-    def drift_forcing(
-        run: Run, body: int, row: int, velocity: float, sign: float, interval: float, far: float,
-        kept: float,
-    ) -> None:  # fmt: skip
-        """Follow the forcing through a drift of these `drift_slopes`."""
+    def drive_forcing(run: Run, row: int, t: float, by: Any, later: float, faster: float) -> None:
+        """Add to the forcing what the pivot's changed motion does in a kick.
+
+        The ends owe `later` and `faster` to an acceleration there.
+        """
         for p in range(run.parameters):
-            other, farther, faster = run.changes[p].bodies[body], 0.0, 0.0
-            if other.damping_rate != 0.0 or other.quadratic != 0.0:
-                farther, faster = drift_changes(velocity, sign, interval, run.bodies[body], other)
-            own = run.forcing[row + 1, p]
-            run.forcing[row, p] += far * own + farther
-            run.forcing[row + 1, p] = kept * own + faster
+            if run.changes[p].moves_pivot != 0:
+                pulled = driven_change(by, pivot_change(run, t, p))
+                run.forcing[row, p] += later * pulled
+                run.forcing[row + 1, p] += faster * pulled
 
     @part
     def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
@@ -383,22 +453,18 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
 
         A kick adds ``h a'(angle)`` times the perturbation of the angle to that of the velocity, and
         a drift is differentiated exactly: the map belongs to the very step, not to an approximation
-        of the flow. The forcing of parameters in ``run.forcing`` goes along from where it begins,
-        in the rows of the ball or, of two balls as one body, in the first two.
+        of the flow.
         """
         sign = begin.sign
         if sign == 0.0:
             return 1.0, 0.0, 0.0, 0.0
-        b, t, moving = run.bodies[body], run.t, motion_of(begin)
+        b, moving = run.bodies[body], motion_of(begin)
         angle, velocity, a = begin.angle, begin.velocity, begin.acceleration
-        row, span = 2 * body if body < 2 else 0, run.tables[table, OFFSET, run.stages - 1]
         # The columns of the matrix: what starts as a unit of angle, and of velocity.
         x1, v1, x2, v2 = 1.0, 0.0, 0.0, 1.0
         for i in range(run.stages + 1):
             h = run.tables[table, KICK, i]
             kicked = h * (gradient(run, b, angle, moving) + push_slope(angle, run))
-            if sensitive:
-                kick_forcing(run, body, row, t, angle, moving, sign, h, kicked)
             velocity += h * a
             v1 += kicked * x1
             v2 += kicked * x2
@@ -406,26 +472,87 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
                 break
             drift_time = run.tables[table, DRIFT_TIME, i]
             far, kept = drift_slopes(velocity, sign, drift_time, b)
-            if sensitive:
-                interval = run.drifts[i] * span
-                drift_forcing(run, body, row, velocity, sign, interval, far, kept)
             x1 += far * v1
             x2 += far * v2
             v1 *= kept
             v2 *= kept
             travelled, velocity = drift(velocity, sign, drift_time, b)
             angle += travelled
-            t = run.t + run.tables[table, OFFSET, i]
-            moving = motion(run, t)
+            moving = motion(run, run.t + run.tables[table, OFFSET, i])
             driven, falling, blown = accelerations(run, b, angle, moving)
             a = driven + falling + (blown + push(angle, run) - b.coulomb * sign)
         return x1, x2, v1, v2
+
+    @part
+    def recorded_tangent(
+        run: Run, body: int, table: int, begin: Point
+    ) -> tuple[float, float, float, float]:
+        """Tangent map as above along the recorded step, and the forcing of parameters with it.
+
+        The step is followed backwards. The map from a kick or a drift to the end of the step tells
+        what a change there does: those of gravity, length and drag add up for all parameters
+        together, and only the pivot's changed motion is one for each of them. The forcing goes on
+        in ``run.forcing`` from where it begins, in the rows of the ball or, of two balls as one
+        body, in the first two.
+        """
+        sign = begin.sign
+        if sign == 0.0:
+            return 1.0, 0.0, 0.0, 0.0
+        if table >= ANY_LENGTH:
+            step(run, body, table, begin, run.passing[0])
+        b, drives, brakes = run.bodies[body], changes_drive(run), changes_drag(run, body)
+        row, span = 2 * body if body < 2 else 0, run.tables[table, OFFSET, run.stages - 1]
+        for p in range(run.parameters):
+            for k in range(2):
+                run.begun[k, p], run.forcing[row + k, p] = run.forcing[row + k, p], 0.0
+        m11, m12, m21, m22 = 1.0, 0.0, 0.0, 1.0
+        by = weights(run, b, begin.angle, motion_of(begin))
+        later = add_weights(by, by, -1.0)
+        faster = later
+        rubbed_1 = rubbed_2 = braked_1 = braked_2 = drawn_1 = drawn_2 = 0.0
+        for i in range(run.stages, -1, -1):
+            angle, velocity = run.path[table, i, 0], run.path[table, i, 1]
+            moving = (
+                run.path[table, i, 2], run.path[table, i, 3], run.path[table, i, 4],
+                run.path[table, i, 5],
+            )  # fmt: skip
+            if i < run.stages:
+                far, kept = drift_slopes(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
+                if brakes:
+                    way, longer, slower, drawn = drift_weights(
+                        velocity, sign, run.drifts[i] * span, b
+                    )
+                    braked_1 += m11 * way + m12 * slower
+                    braked_2 += m21 * way + m22 * slower
+                    drawn_1 += m11 * longer + m12 * drawn
+                    drawn_2 += m21 * longer + m22 * drawn
+                m12, m22 = m11 * far + m12 * kept, m21 * far + m22 * kept
+            h = run.tables[table, KICK, i]
+            by = weights(run, b, angle, moving)
+            later, faster = add_weights(later, by, h * m12), add_weights(faster, by, h * m22)
+            rubbed_1 -= h * m12 * sign
+            rubbed_2 -= h * m22 * sign
+            if drives:
+                t = run.t + run.tables[table, OFFSET, i - 1] if i > 0 else run.t
+                drive_forcing(run, row, t, by, h * m12, h * m22)
+            kicked = h * (gradient(run, b, angle, moving) + push_slope(angle, run))
+            m11 += m12 * kicked
+            m21 += m22 * kicked
+        for p in range(run.parameters):
+            other, x, v = run.changes[p].bodies[body], run.begun[0, p], run.begun[1, p]
+            run.forcing[row, p] += m11 * x + m12 * v + steady_change(run, later, body, p)
+            run.forcing[row, p] += braked_1 * other.damping_rate + drawn_1 * other.quadratic
+            run.forcing[row, p] += rubbed_1 * other.coulomb
+            run.forcing[row + 1, p] += m21 * x + m22 * v + steady_change(run, faster, body, p)
+            run.forcing[row + 1, p] += braked_2 * other.damping_rate + drawn_2 * other.quadratic
+            run.forcing[row + 1, p] += rubbed_2 * other.coulomb
+        return m11, m12, m21, m22
 
     return Forces(
         free=free,
         write_forces=write_forces,
         step=step,
-        tangent=tangent,
+        tangent=recorded_tangent if sensitive else tangent,
         tension=tension,
         static_tension=static_tension,
         write_pivot_motion=write_pivot_motion,

@@ -176,11 +176,13 @@ def make_sensitivity(
         return pulled - viscous_drag(point.velocity, change) - point.sign * change.coulomb
 
     @part
-    def reach_release(run: Run) -> None:
+    def reach_release(run: Run, turning: float) -> None:
         """Find by how much each parameter delays the end of rest or sticking contact.
 
         The guard is the difference of the balls' own accelerations, or the acceleration of one
-        from its wall. Where something else ended the contact, the delays are unknown.
+        from its wall. For balls that part as they turn, at the acceleration `turning` [rad/s^2], it
+        is their common velocity; `turning` is 0 for others. Where something else ended the contact,
+        the delays are unknown.
         """
         swing.settle(run, 0, run.t, run.now[0])
         a0 = acceleration_with_drag(run.now[0], run.bodies[0])
@@ -194,7 +196,9 @@ def make_sensitivity(
         is_other = abs(guard) > _EQUAL * scale
         for p in range(run.parameters):
             run.delay[p] = math.nan
-            if is_other or run.doubt != CERTAIN:
+            if turning != 0.0:
+                run.delay[p] = -run.sensitivity[1, p] / turning
+            if turning != 0.0 or is_other or run.doubt != CERTAIN:
                 continue
             change, rate = 0.0, 0.0
             for i in range(count):

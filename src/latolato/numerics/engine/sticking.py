@@ -15,7 +15,6 @@ from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.stiction import add_compression
 from latolato.numerics.engine.taut_step import (
-    ANY_LENGTH,
     SHORTEST,
     TautStep,
     acceleration_with_drag,
@@ -23,7 +22,16 @@ from latolato.numerics.engine.taut_step import (
 )
 from latolato.numerics.matrices import write_joint_matrix
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.run_record import NOTHING, PAIR_ROW, RELEASE, STICKING, TURN, Point, Run
+from latolato.numerics.run_record import (
+    ANY_LENGTH,
+    NOTHING,
+    PAIR_ROW,
+    RELEASE,
+    STICKING,
+    TURN,
+    Point,
+    Run,
+)
 from latolato.physics.pair import contact_torque, radial_push
 
 _TABLE = ANY_LENGTH + PAIR_ROW
@@ -101,7 +109,8 @@ def make_sticking(
         swing_by(run, length, run.inside)
         one = run.inside[PAIR_ROW]
         # A velocity beyond its zero belongs to the frozen sign only: friction sees it as zero.
-        if one.velocity * one.sign < 0.0:
+        turns = run.event == TURN and length >= run.length
+        if turns or one.velocity * one.sign < 0.0:
             one.velocity = 0.0
         split(run, run.inside)
         pressed = -balls.separation_acceleration(run, run.state.side, run.t + length, run.inside)
@@ -157,10 +166,11 @@ def make_sticking(
         if run.t < state.held_until < run.t_end:
             balls.shorten(run, state.held_until - run.t)
         swing_by(run, run.length, run.end)
+        turn = math.inf
         if run.is_nonsmooth != 0 and not end.velocity * one.sign >= 0.0:
             s = swing.turn(run, body_of(run), _TABLE, run.length, one, end)
             balls.shorten(run, max(s, SHORTEST * run.t))
-            run.event = TURN
+            run.event, turn = TURN, run.length
         if run.t >= state.held_until:
             last = margin(run, run.length)
             until = run.length if last < 0.0 else dip(run, run.length, last)
@@ -170,7 +180,7 @@ def make_sticking(
         swing_by(run, run.length, run.end)
         inertia = run.bodies[body_of(run)].inertia
         run.work, run.loss = inertia * end.work, inertia * end.loss
-        if run.event == TURN:
+        if run.length >= turn:
             end.velocity = 0.0
         split(run, run.end)
         # Friction may have let go of both together: then they move on as one.

@@ -28,9 +28,17 @@ from latolato.numerics.engine.gaps import THERE, Gaps
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.engine.report import Report
 from latolato.numerics.engine.slack_step import SlackStep, place_taut
-from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep, acceleration_with_drag
+from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.run_record import DELAY_ROWS, DRIFT_TIME, KICK, OFFSET, Point, Run
+from latolato.numerics.run_record import (
+    ANY_LENGTH,
+    DELAY_ROWS,
+    DRIFT_TIME,
+    KICK,
+    OFFSET,
+    Point,
+    Run,
+)
 from latolato.physics.damping import drift_changes_in_plane, drift_slopes_in_plane
 
 # A string goes slack by itself where its tension is below this share of what speed and gravity
@@ -149,6 +157,27 @@ def make_tangent_map(
         return result
 
     @part
+    def slackens_by_itself(run: Run, i: int, point: Point) -> bool:
+        """Whether a string that goes slack does so for lack of tension, and not with an impact."""
+        b = run.bodies[i]
+        largest = point.velocity * point.velocity + run.settings.gravity * b.inverse_length
+        slackens: bool = abs(swing.tension(run, i, point)) <= _CROSSES * largest
+        return slackens
+
+    @part
+    def impact_delay(run: Run, column: int, rate: float) -> float:
+        """By how much a perturbation delayed the impact that balls leave at this rate [m/s].
+
+        Without a rebound it shows no more; the delays by parameters are known from the impact.
+        """
+        if run.settings.restitution > 0.0:
+            return -gap_perturbation(run, column) / rate
+        late = 0.0
+        if sensitive and column >= size:
+            late = run.delay[column - size]
+        return late
+
+    @part
     def begin(run: Run) -> None:
         """Begin with a unit perturbation of each angle and angular velocity, all strings taut.
 
@@ -169,17 +198,19 @@ def make_tangent_map(
         for i in range(count):
             place_taut(run.now[i], 1.0 / run.bodies[i].inverse_length)
         _, rate = gaps.gap(run, run.now)
-        if state.touch == 0.0 or rate <= 0.0:
+        if state.touch == 0.0 or (run.settings.restitution > 0.0 and rate <= 0.0):
             return
         # Between the impact of the perturbed motion and this one the string does not push: what it
         # would have pushed, ``l w^2 - ...`` < 0 per mass, is missing for the time of the delay.
-        for column in range(columns_of(run)):
-            delay = -gap_perturbation(run, column) / rate
-            for i in range(count):
-                point, length = run.now[i], 1.0 / run.bodies[i].inverse_length
-                pushed = length * min(swing.tension(run, i, point), 0.0) * delay
-                state.tangent_map[4 * i + 2, column] -= pushed * sine(point.angle)
-                state.tangent_map[4 * i + 3, column] += pushed * cosine(point.angle)
+        for i in range(count):
+            point, length = run.now[i], 1.0 / run.bodies[i].inverse_length
+            pushed = length * swing.tension(run, i, point)
+            if pushed >= 0.0 or slackens_by_itself(run, i, point):
+                continue
+            for column in range(columns_of(run)):
+                missing = pushed * impact_delay(run, column, rate)
+                state.tangent_map[4 * i + 2, column] -= missing * sine(point.angle)
+                state.tangent_map[4 * i + 3, column] += missing * cosine(point.angle)
 
     @part
     def follow_fall(run: Run, i: int) -> None:
@@ -319,10 +350,9 @@ def make_tangent_map(
         if not sensitive:
             return
         swing.settle(run, i, run.t, run.now[i])
-        b, point = run.bodies[i], run.now[i]
-        rates = point.velocity, acceleration_with_drag(point, b)
-        largest = point.velocity * point.velocity + run.settings.gravity * b.inverse_length
-        if abs(swing.tension(run, i, point)) > _CROSSES * largest:
+        point = run.now[i]
+        rates = point.velocity, acceleration_with_drag(point, run.bodies[i])
+        if not slackens_by_itself(run, i, point):
             return
         for p in range(run.parameters):
             own = run.sensitivity[2 * i, p], run.sensitivity[2 * i + 1, p]

@@ -19,9 +19,6 @@ from latolato.numerics.records import Body
 from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
 from latolato.physics.damping import drag, effective_time, viscous_drag
 
-# Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
-# ball 1, ball 2 and both as one body.
-ANY_LENGTH = 2
 # The shortest step that changes the time, per time: an event ends a step at a later instant.
 SHORTEST = 2.3e-16
 # Below this speed dry friction stops a ball at once [rad/s]: far less than any tolerance.

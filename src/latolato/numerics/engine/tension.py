@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from latolato.numerics.contact_time import MOST_TRIALS
-from latolato.numerics.engine.taut_step import ANY_LENGTH, TautStep, acceleration_with_drag
+from latolato.numerics.engine.taut_step import TautStep, acceleration_with_drag
 from latolato.numerics.parts import Part, as_it_stands
-from latolato.numerics.run_record import Run
+from latolato.numerics.run_record import ANY_LENGTH, Run
 from latolato.observables.hermite import quintic_terms
 
 # How well a root is located by what is seen, and by the steps then, whose last one leaves an error
