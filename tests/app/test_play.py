@@ -432,6 +432,26 @@ def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
 
 
+@pytest.mark.parametrize("query", ["?view=toy", "?view=toy&toy.hand=1"])
+def test_compiled_code_is_loaded_while_the_registry_is_awaited(page, query):
+    awaited, given = [], []
+
+    def hold(route):
+        if given:
+            route.continue_()
+        else:
+            awaited.append(route)
+
+    page.route("**/registry.json", hold)
+    with page.expect_request(re.compile("kernels/one")):
+        page.goto(f"/{query}", wait_until="commit")
+    assert page.locator("nav a").count() == 0
+    given.append(True)
+    for route in awaited:
+        route.continue_()
+    page.wait_for_selector("[data-runs], [data-ready]", state="attached")
+
+
 def test_a_moving_slider_shows_the_run_under_way_and_the_newest_one(page):
     open_play(page, "&scenario=fig04b_push&duration=20%20s")
     asked, statuses, amplitude = page.evaluate(

@@ -151,15 +151,3 @@ export class JobLine {
 export function fileOf(block, name, type) {
   return new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (block.arrays[name])], { type });
 }
-
-/**
- * Return nothing; the browser stores a file under a name.
- * @param {Blob} file
- * @param {string} name
- */
-export function saveFile(file, name) {
-  const address = URL.createObjectURL(file);
-  const link = el("a", { href: address, download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
-}
