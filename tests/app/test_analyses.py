@@ -482,6 +482,25 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
 
 
 @pytest.mark.parametrize(
+    "query, text",
+    [
+        ("scenario=fig02&analyse.what=impact_map&analyse.ask=1",
+         "Peta tumbukan membutuhkan dinding, dan Pendulum tidak punya; pakai LatoLato"),
+        ("scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
+         "harus 0 untuk bola yang menggantung lurus ke bawah"),
+        ("scenario=toy&length=1.5+cm",
+         "paling kecil 0 mm dan di bawah panjangnya, diberikan 18; "),
+    ],
+)  # fmt: skip
+def test_refusals_are_in_the_language_of_the_page(page, query, text, watch):
+    page.goto(f"/?view=analyse&lang=id&{query}")
+    page.locator(".error, .notice").filter(has_text=text, visible=True).first.wait_for(
+        timeout=240_000
+    )
+    watch.faults.clear()  # the server refuses the request
+
+
+@pytest.mark.parametrize(
     "typed, problem",
     [("1e300", "“Low” must lie between -1e+30 and 1e+30"), ("", "A number belongs here, such as")],
 )

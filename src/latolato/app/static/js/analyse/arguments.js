@@ -41,6 +41,8 @@ export class ArgumentForm {
       changed(this.changes());
     } });
     this.form = new Form(el("div", {}), {}, this.store);
+    /** The registry with the options of the analysis, for refusals. */
+    this.registryInWords = registry;
   }
 
   /**
@@ -65,6 +67,7 @@ export class ArgumentForm {
       [each, this.shownAs(each, option, about, varied)]));
     const { units, prefixes } = this.registry;
     this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: shown }, this.store);
+    this.registryInWords = { ...this.registry, options: /** @type {any} */ ({ ...this.registry.options, ...shown }) };
     const field = (/** @type {string} */ each) => {
       const { choices, switch: isSwitch } = shown[each];
       if (each === VARIED) return this.form.choiceField(each, shown[each], choices);

@@ -206,7 +206,8 @@ export class Runner {
   async askProgram({ request, mostSamples }) {
     const [{ commandLine, pythonLines }, { askBlock }] = await Promise.all(
       [import("../model/run_code.js"), import("../page/api.js")]);
-    const { about, ...columns } = await askBlock("api/run", { ...request, most_samples: mostSamples });
+    const { about, ...columns } = await askBlock("api/run", { ...request, most_samples: mostSamples })
+      .catch((error) => { throw error.input ?? error; });
     const { options } = about;
     return { ...columns, about: { ...about, python: pythonLines(this.registry, options),
       command: commandLine(this.registry, options) } };
