@@ -519,6 +519,21 @@ def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, pro
     assert line.count() == 0
 
 
+def test_what_is_typed_for_an_analysis_stays_when_the_system_is_told(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=lyapunov_spectrum")
+    page.wait_for_selector("[data-form=lyapunov_spectrum]")
+    field = page.locator(".settings").get_by_role("textbox").first
+    before = field.input_value()
+    with page.expect_response("**/api/analyses/about"):
+        page.evaluate(
+            "() => window.latolato.views.analyse.page.store.option('gravity', '9.7 m/s^2')"
+        )
+        field.press_sequentially("1")
+    page.wait_for_timeout(300)
+    assert field.input_value() in (f"{before}1", f"1{before}")
+    assert field.evaluate("input => input === document.activeElement")
+
+
 def test_fields_show_the_units_of_the_other_views(page):
     page.goto("/?view=analyse&scenario=toy&analyse.what=first_push&analyse.sustained_angle=0.5")
     lasting, phases = (
