@@ -10,7 +10,7 @@ const LANGUAGE = { sentence: ruleText, word: tr };
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
 const ENDS = ["at_least", "more_than", "at_most", "less_than"];
-const SIZES = ["size", "turns"];
+const SIZES = ["size", "turns", "tiny"];
 const RADII = ["radius", "right radius", "left radius"];
 // Problems with the start, and the texts for them in the unit on the screen.
 const STARTS = /** @type {Record<string, string>} */ ({
