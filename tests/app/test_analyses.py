@@ -489,7 +489,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
          "harus 0 untuk bola yang menggantung lurus ke bawah"),
         ("scenario=toy&length=1.5+cm",
-         "paling kecil 0 mm dan di bawah panjangnya, diberikan 18; "),
+         "tetapi diberikan 18; "),
     ],
 )  # fmt: skip
 def test_refusals_are_in_the_language_of_the_page(page, query, text, watch):
