@@ -253,7 +253,7 @@ def test_a_curve_can_be_stopped_and_keeps_what_it_has():
         ({"parameters": ("frequency_ratio", "drive_frequency")}, "must be two parameters"),
         ({"parameters": ("drive_amplitud", "frequency_ratio")}, "did you mean"),
         ({"low": (0.06, 1.7)}, "must enclose the drive_amplitude"),
-        ({"low": (0.0,)}, "must be a value for each parameter"),
+        ({"low": (0.0,)}, "must be a value for each of both"),
         ({"kind": "grazing"}, "needs balls that can touch"),
         ({"kind": "slack_onset"}, "needs strings"),
         ({"kind": "folds"}, "kind"),

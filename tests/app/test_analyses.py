@@ -482,6 +482,25 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
 
 
 @pytest.mark.parametrize(
+    "query, text",
+    [
+        ("scenario=fig02&analyse.what=impact_map&analyse.ask=1",
+         "Peta tumbukan membutuhkan dinding, dan Pendulum tidak punya; pakai LatoLato"),
+        ("scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
+         "harus 0 untuk bola yang menggantung lurus ke bawah"),
+        ("scenario=toy&length=1.5+cm",
+         "tetapi diberikan 18; "),
+    ],
+)  # fmt: skip
+def test_refusals_are_in_the_language_of_the_page(page, query, text, watch):
+    page.goto(f"/?view=analyse&lang=id&{query}")
+    page.locator(".error, .notice").filter(has_text=text, visible=True).first.wait_for(
+        timeout=240_000
+    )
+    watch.faults.clear()  # the server refuses the request
+
+
+@pytest.mark.parametrize(
     "typed, problem",
     [("1e300", "“Low” must lie between -1e+30 and 1e+30"), ("", "A number belongs here, such as")],
 )
@@ -498,6 +517,21 @@ def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, pro
     field.fill(before)
     field.press("Enter")
     assert line.count() == 0
+
+
+def test_what_is_typed_for_an_analysis_stays_when_the_system_is_told(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=lyapunov_spectrum")
+    page.wait_for_selector("[data-form=lyapunov_spectrum]")
+    field = page.locator(".settings").get_by_role("textbox").first
+    before = field.input_value()
+    with page.expect_response("**/api/analyses/about"):
+        page.evaluate(
+            "() => window.latolato.views.analyse.page.store.option('gravity', '9.7 m/s^2')"
+        )
+        field.press_sequentially("1")
+    page.wait_for_timeout(300)
+    assert field.input_value() in (f"{before}1", f"1{before}")
+    assert field.evaluate("input => input === document.activeElement")
 
 
 def test_fields_show_the_units_of_the_other_views(page):

@@ -35,6 +35,8 @@ def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
     keep(page, key="2", seconds=1)
     page.get_by_text("Its parameters and its link reproduce it").wait_for()
     assert "drive=staged_harmonic" in page.url
+    # In the units that fields show first.
+    assert "drive_amplitudes=3.4+cm%2C+3.4+cm&" in page.url
     assert "toy.hand" not in page.url
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)
     end = page.evaluate(f"() => {PLAYER}.motion.end")

@@ -69,7 +69,7 @@ def test_modules_name_rules_that_there_are_and_every_one():
 
 def test_modules_of_play_are_asked_for_with_the_page_and_once_each():
     page = (STATIC / "index.html").read_text()
-    asked = re.findall(r'rel="modulepreload" href="(.+?)"', page)
+    asked = re.findall(r'(?:rel="modulepreload" href|async src)="(.+?)"', page)
     left = [STATIC / "js" / "main.js", STATIC / "js" / "toy" / "view.js"]
     needed: set[Path] = set()
     while left:

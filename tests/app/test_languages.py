@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
@@ -119,10 +120,11 @@ def texts_of_stories(part: Any) -> Iterator[str]:
 def sentences_of_rules() -> dict[str, dict[str, str]]:
     """Return the sentences of all rules that pages know, by the names of the rules."""
     problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
-    assert not problems.keys() & RULES.keys()
+    assert not (problems.keys() | OF_ANALYSES.keys()) & RULES.keys()
+    assert not problems.keys() & OF_ANALYSES.keys()
     return {
         name: {part: text for part, text in zip(("rule", "way_out"), texts, strict=True) if text}
-        for name, texts in {**RULES, **problems}.items()
+        for name, texts in {**RULES, **OF_ANALYSES, **problems}.items()
         if any(texts)
     }
 
@@ -185,6 +187,13 @@ def test_translations_have_the_gaps_of_the_english_texts(path, english):
     }
     assert not wrong, f"{path.name}: these should have the gaps beside them"
     assert all("other" in text for _, text in pairs if isinstance(text, dict))
+
+
+def test_analyses_break_every_rule_of_theirs():
+    files = (STATIC.parents[1]).rglob("*.py")
+    broken = re.findall(r'broken_analysis\(\s*"(\w+)"', "".join(p.read_text() for p in files))
+    # Chosen by the position of the balls.
+    assert OF_ANALYSES.keys() == {*broken, "hanging_points", "upright_points"}
 
 
 # How long a view may take to show its first picture [ms].

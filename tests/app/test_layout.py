@@ -163,7 +163,7 @@ def test_the_form_takes_the_frequency_ratio_too(page):
 def test_energies_are_computed_when_they_are_asked_for(page):
     open_view(page, "&scenario=fig04a_push&duration=10 s")
     page.wait_for_timeout(300)
-    assert page.evaluate(f"() => {PLAYER}.more.drawn") is None
+    assert page.evaluate(f"() => {PLAYER}.more") is None
     assert page.locator(".more-curves canvas").count() == 0
     page.get_by_text("Energy and more curves", exact=True).click()
     page.locator(".more-curves .ledger-row").first.wait_for()
@@ -355,7 +355,7 @@ COUNT_DRAWS = f"""async () => {{
 def test_a_run_that_plays_draws_no_chart_twice_in_a_frame(page):
     open_view(page, "&scenario=fig02")
     page.locator(".more-curves > summary").click()
-    page.wait_for_function(f"() => {PLAYER}.more.curves.charts.length === 2")
+    page.wait_for_function(f"() => {PLAYER}.more?.curves.charts.length === 2")
     page.wait_for_timeout(300)
     frames = np.array(page.evaluate(COUNT_DRAWS))
     assert page.evaluate(f"() => {PLAYER}.curves.span[0]") > 0

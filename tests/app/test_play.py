@@ -364,6 +364,32 @@ def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
         assert after.get(name) == (pytest.approx(before[name]) if name in before else None), name
 
 
+def test_what_is_typed_stays_when_the_run_before_it_comes(page):
+    open_play(page, "&scenario=fig04b_push&duration=20%20s")
+    length = page.locator(".knobs .field").first.get_by_role("textbox")
+    length.fill("31")
+    length.press("Enter")
+    length.press_sequentially("7")
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 1")
+    page.evaluate("() => window.latolato.views.toy.knobs.all.drive_amplitude.show(0.02)")
+    assert length.input_value() == "317"
+
+
+def test_a_cell_of_a_schedule_keeps_what_is_typed_when_the_run_comes(page):
+    page.emulate_media(reduced_motion="reduce")
+    page.goto("/?view=toy&scenario=fig12")
+    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_text("More parameters", exact=True).click()
+    first, second = (page.locator(".field.list input").nth(i) for i in (1, 3))
+    first.fill("3.2")
+    second.click()
+    second.press_sequentially("9")
+    typed = second.input_value()
+    page.wait_for_function("() => Number(document.querySelector('[data-runs]').dataset.runs) > 1")
+    assert second.input_value() == typed
+    assert second.evaluate("input => input === document.activeElement")
+
+
 def test_the_editor_of_schedules_opens_from_the_first_page(page):
     open_form(page)
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
@@ -430,6 +456,26 @@ def test_a_page_whose_worker_does_not_load_computes_by_itself(page, watch):
     open_play(page)
     assert page.locator(".message").count() == 0
     watch.faults[:] = [fault for fault in watch.faults if "ERR_FAILED" not in fault]
+
+
+@pytest.mark.parametrize("query", ["?view=toy", "?view=toy&toy.hand=1"])
+def test_compiled_code_is_loaded_while_the_registry_is_awaited(page, query):
+    awaited, given = [], []
+
+    def hold(route):
+        if given:
+            route.continue_()
+        else:
+            awaited.append(route)
+
+    page.route("**/registry.json", hold)
+    with page.expect_request(re.compile("kernels/one")):
+        page.goto(f"/{query}", wait_until="commit")
+    assert page.locator("nav a").count() == 0
+    given.append(True)
+    for route in awaited:
+        route.continue_()
+    page.wait_for_selector("[data-runs], [data-ready]", state="attached")
 
 
 def test_a_moving_slider_shows_the_run_under_way_and_the_newest_one(page):

@@ -17,6 +17,7 @@ from latolato.analysis.checks import (
     checked_periodic,
 )
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
@@ -177,17 +178,11 @@ def basins(
     drive = checked_periodic(system, drive)
     shape = (angle_points, velocity_points)
     if entropy_box > min(shape):
-        raise InputError(
-            f"must be at most the points of either axis, {min(shape)}",
-            parameter="entropy_box",
-            value=entropy_box,
-            way_out="take a smaller box or more points",
+        raise broken_analysis(
+            "entropy_box", {"points": min(shape)}, parameter="entropy_box", value=entropy_box
         )
     if math.prod(shape) > _MOST_STARTS:
-        raise InputError(
-            f"{math.prod(shape)} starts exceed the limit of {_MOST_STARTS}; lower angle_points or "
-            "velocity_points"
-        )
+        raise broken_analysis("most_starts", {"count": math.prod(shape), "limit": _MOST_STARTS})
     check_tolerance = _checked_finer(check_tolerance, tolerance)
     if known is not None:
         _check_known(known, system)
@@ -303,11 +298,8 @@ def _checked_finer(finer: float | None, tolerance: float) -> float:
     if finer is None:
         return max(0.1 * tolerance, 1e-15)
     if not finer < tolerance:
-        raise InputError(
-            f"must be below the tolerance of {tolerance:g} rad",
-            parameter="check_tolerance",
-            value=finer,
-            way_out="give a smaller one, or none for a tenth",
+        raise broken_analysis(
+            "finer_tolerance", {"tolerance": tolerance}, parameter="check_tolerance", value=finer
         )
     return finer
 
@@ -415,9 +407,8 @@ def _starts(
     last = most if angles[1] is None else angles[1]
     check_span("angle range", first, last)
     if first < low - _INSIDE or last > high + _INSIDE:
-        raise InputError(
-            f"the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
-            f"[{first:.6g}, {last:.6g}]: the balls would overlap"
+        raise broken_analysis(
+            "angles_between_walls", {"low": low, "high": high, "first": first, "last": last}
         )
     slow = -_SPEEDS * w0 if velocities[0] is None else velocities[0]
     fast = _SPEEDS * w0 if velocities[1] is None else velocities[1]

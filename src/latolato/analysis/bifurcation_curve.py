@@ -22,6 +22,7 @@ from latolato.analysis.orbits import (
     scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.special_point import SpecialPoint
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, Quantity
@@ -157,7 +158,7 @@ def bifurcation_curve(
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
         kind = kind or next((each for each in KINDS if each == special.kind), None)
     if kind is None:
-        raise InputError("is needed", parameter="kind", way_out=f"one of {', '.join(KINDS)}")
+        raise broken_analysis("kind_of_curve", {"kinds": ", ".join(KINDS)}, parameter="kind")
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)
@@ -196,11 +197,11 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
     """Return two parameters with their limits."""
     names = (names,) if isinstance(names, str) else tuple(names)
     if len(names) != 2 or TARGETS.get(names[0], names[0]) == TARGETS.get(names[1], names[1]):
-        raise InputError("must be two parameters", parameter="parameters", value=list(names))
+        raise broken_analysis("two_parameters", parameter="parameters", value=list(names))
     limits = []
     for word, ends in (("low", low), ("high", high)):
         if np.shape(ends) != (2,):
-            raise InputError("must be a value for each parameter", parameter=word, value=ends)
+            raise broken_analysis("end_of_each", parameter=word, value=ends)
         numbers = []
         for name, end in zip(names, ends, strict=True):
             known = parameter_of(flow.system, flow.drive, name)
@@ -211,9 +212,8 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
     plane = Plane(flow, names, *limits)
     for name, value, least, most in zip(names, plane.values, *limits, strict=True):
         if not (least < most and least <= value <= most):
-            raise InputError(
-                f"low and high must enclose the {name} of the first motion, {value:.9g}, got "
-                f"[{least:g}, {most:g}]"
+            raise broken_analysis(
+                "first_orbit", {"name": name, "begun": value, "low": least, "high": most}
             )
     return plane
 
@@ -221,21 +221,12 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
 def _check_kind(flow: Flow, kind: str) -> None:
     """Raise InputError for a kind that a system cannot have."""
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
-        raise InputError(
-            "needs balls that can touch", parameter="kind", value=kind, way_out="use LatoLato"
-        )
+        raise broken_analysis("touching_balls", parameter="kind", value=kind)
     drags = [ball.coulomb_damping for ball in flow.system.balls] if flow.size == 4 else [0.0]
     if kind == "lift_off" and (flow.system.drag_frame == "lab" or any(drags)):
-        raise InputError(
-            "is not described for air at rest in the room, nor for dry friction of two balls",
-            parameter="kind",
-            value=kind,
-            way_out="compute self_start, or leave that drag out",
-        )
+        raise broken_analysis("described_lift_off", parameter="kind", value=kind)
     if kind == "slack_onset" and not flow.is_string:
-        raise InputError(
-            "needs strings", parameter="kind", value=kind, way_out="give suspension='string'"
-        )
+        raise broken_analysis("needs_strings", parameter="kind", value=kind)
 
 
 def _begun(plane: Plane, kind: str, guess: Floats, period: int) -> tuple[Condition, Floats | None]:
@@ -280,12 +271,7 @@ def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, 
     if kind != "fold":
         maps = [m for m in maps if np.array_equal(m[0], unit) == (kind == "period_doubling")]
     if not maps:
-        raise InputError(
-            "needs a motion that equals its image in a mirror, and this one has none",
-            parameter="kind",
-            value=kind,
-            way_out="try 'fold' or 'period_doubling'",
-        )
+        raise broken_analysis("needs_mirror", parameter="kind", value=kind)
     critical = 1.0 if kind == "fold" else -1.0
 
     def far(each: tuple[Floats, int]) -> float:

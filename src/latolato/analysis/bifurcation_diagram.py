@@ -21,10 +21,10 @@ from latolato.analysis.flow import varied
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
-from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, UnitOf
 from latolato.core.quantities import POSITIVE, Quantity, Range
 from latolato.core.registry import checked_number, suggest
+from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Start
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
@@ -132,7 +132,8 @@ def bifurcation_diagram(
     known = {n: p for n, p in parameters_of(system, drive).items() if p.owner != "run"}
     known.pop("drive_phase", None)
     if parameter not in known:
-        raise InputError(f"unknown parameter '{parameter}': {suggest(str(parameter), list(known))}")
+        hint = suggest(str(parameter), list(known))
+        raise broken_rule("unknown", {"kind": "parameter", "name": parameter, "hint": hint})
     about = known[parameter]
     check_span(parameter, low, high)
     for value in (low, high):

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import check_increasing, checked_number
 from latolato.observables.period import LONGEST
@@ -28,12 +28,7 @@ AngleTolerance = Annotated[float, "rad", Range(0.0, 1.0, open_low=True)]
 def checked_nonlinear(system: System) -> System:
     """Return a system whose motion settles."""
     if checked_system(system).is_linear:
-        raise InputError(
-            "must have motion that settles, but that of the linearised Mathieu only grows or "
-            "decays",
-            parameter="system",
-            way_out="use Pendulum, or mathieu_growth_rate",
-        )
+        raise broken_analysis("settling_motion", parameter="system")
     return system
 
 
@@ -54,13 +49,7 @@ def checked_vertical(drive: Drive | None) -> PeriodicDrive:
 def check_vertical(drive: Drive | None) -> None:
     """Raise InputError for a drive that moves the pivot sideways."""
     if checked_drive(drive).moves_across:
-        raise InputError(
-            "moves the pivot sideways, which this analysis does not describe: {parameter} must be "
-            "vertical",
-            parameter="drive",
-            value=type(drive).__name__,
-            way_out="use Harmonic, or simulate and sweep",
-        )
+        raise broken_analysis("vertical_drive", parameter="drive", value=type(drive).__name__)
 
 
 def checked_repeating(system: System, drive: Drive | None) -> PeriodicDrive | PlanarHarmonic:
@@ -74,24 +63,13 @@ def checked_repeating(system: System, drive: Drive | None) -> PeriodicDrive | Pl
 def check_rods(system: System) -> None:
     """Raise InputError for strings where a motion is carried on by its angle and velocity."""
     if checked_system(system).suspension == "string":
-        raise InputError(
-            "must be 'rod' here: each motion continues from an angle and an angular velocity, but "
-            "a slack ball also has a distance and a radial velocity",
-            parameter="suspension",
-            value=system.suspension,
-            way_out="sweep starts instead, or give suspension='rod'",
-        )
+        raise broken_analysis("continued_rods", parameter="suspension", value=system.suspension)
 
 
 def check_drag(system: System) -> None:
     """Raise InputError for drag relative to the room, which closed forms leave out."""
     if checked_system(system).drag_frame == "lab" and any(ball.damping for ball in system.balls):
-        raise InputError(
-            "must be 'pivot' here: this is computed for drag relative to the pivot",
-            parameter="drag_frame",
-            value=system.drag_frame,
-            way_out="use floquet or a sweep, or give damping=0",
-        )
+        raise broken_analysis("drag_of_pivot", parameter="drag_frame", value=system.drag_frame)
 
 
 def hits_pull(system: System) -> bool:
@@ -108,9 +86,7 @@ def hits_pull(system: System) -> bool:
 def check_span(name: str, low: float, high: float) -> None:
     """Raise InputError unless the second limit is larger."""
     if not low < high:
-        raise InputError(
-            "must go from low to high", parameter=name, value=(low, high), way_out="swap them"
-        )
+        raise broken_analysis("low_to_high", parameter=name, value=(low, high))
 
 
 def increasing(name: str, values: Any, default: Floats) -> Floats:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from latolato.analysis.elliptic import Array, checked_shaped, checked_times, undriven_motion
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
@@ -255,9 +255,7 @@ def zeno_time(
     system = LatoLato(length=length, mass=1.0, radius=radius, restitution=restitution)
     e = system.restitution
     if e == 1.0:
-        raise InputError(
-            "must lie in [0, 1) for impacts to accumulate", parameter="restitution", value=e
-        )
+        raise broken_analysis("accumulating_impacts", parameter="restitution", value=e)
     total = _fall_time(bounce)
     if e == 0.0:
         return total
@@ -315,11 +313,8 @@ def _bounce(length: float, radius: float, initial_angle: float, gravity: float) 
     low, high = system.contact_angle_low, system.contact_angle_high
     top = checked_number("initial_angle", initial_angle, ANY, "rad")
     if not low < top <= high:
-        raise InputError(
-            f"must lie above the low wall {low:.6g} rad and not above the high one {high:.6g} rad",
-            parameter="initial_angle",
-            value=top,
-            way_out="a ball at rest on the low wall stays there",
+        raise broken_analysis(
+            "start_above_wall", {"low": low, "high": high}, parameter="initial_angle", value=top
         )
     # sin^2(top/2) - sin^2(low/2) as a product, which keeps its digits.
     speed = math.sqrt(math.sin(0.5 * (top - low)) * math.sin(0.5 * (top + low)))

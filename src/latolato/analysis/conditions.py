@@ -314,6 +314,12 @@ class Touch(Condition):
         """The unit of the drive's phase."""
         return np.ones(1)
 
+    def size_of(self, solution: Solution) -> Floats:
+        """Return units of the state; the hops of a force of zero are rounding."""
+        if self.kind == "lift_off":
+            return scale_of(solution.flow.system)
+        return super().size_of(solution)
+
     def begin(self, start: Floats, turn: float, values: Floats) -> Floats | None:
         """Return unknowns of a motion that is nearly special, begun where it touches."""
         numbers = np.concatenate([self.free_part(start), [turn], values])

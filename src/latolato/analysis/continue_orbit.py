@@ -15,8 +15,8 @@ from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
 from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.special_point import SpecialPoint
-from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_number
@@ -159,9 +159,8 @@ def continue_orbit(
     checked_number(f"low ({parameter})", low, closed, unit)
     checked_number(f"high ({parameter})", high, closed, unit)
     if not low < high or not low <= begun <= high:
-        raise InputError(
-            f"low and high must enclose the {parameter} of the first orbit, {begun:.9g}, got "
-            f"[{low:g}, {high:g}]"
+        raise broken_analysis(
+            "first_orbit", {"name": parameter, "begun": begun, "low": low, "high": high}
         )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     branch = Branch(flow, parameter, (low, high), period)

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import start_options
-from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE, Quantity
 from latolato.observables import FirstPassage
 from latolato.physics.drives import Drive
@@ -192,9 +192,7 @@ def first_passage_time(
     if system.angles == 2:
         times = np.fmin(times[:, 0], times[:, 1])
     if np.any(times == 0.0):
-        raise InputError(
-            f"the start must lie below threshold_angle {threshold_angle:g} rad; give a larger one"
-        )
+        raise broken_analysis("start_below_threshold", {"threshold": threshold_angle})
     known = has_answer(grid.status)
     result = _statistics(times[known], duration)
     if result["status"] == NONE:

@@ -10,10 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_repeating, hits_pull
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
+from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Start, Trajectory, choose_step, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
@@ -116,11 +117,7 @@ class Flow:
     def __post_init__(self) -> None:
         law = checked_contact(self.contact, self.system)
         if law.fixed_step is not None:
-            raise InputError(
-                "must be exact or none here: a clamped motion depends on its step, so small "
-                "perturbations have no meaning",
-                parameter="contact",
-            )
+            raise broken_analysis("unclamped", parameter="contact")
         object.__setattr__(self, "contact", law)
         if self.through_slack:
             check_perturbations(self.system, "orbits")
@@ -230,11 +227,8 @@ def periodic_drive(system: System, drive: Drive | None) -> Repeating:
     result = checked_repeating(system, drive)
     ratio = math.tau / drive_period(result) / checked_system(system).natural_frequency
     if ratio < SLOWEST_RATIO:
-        raise InputError(
-            f"must be at least {SLOWEST_RATIO:g} natural frequencies for an orbit",
-            parameter="drive_frequency",
-            value=ratio,
-            way_out="raise drive_frequency",
+        raise broken_analysis(
+            "slowest_orbit", {"ratio": SLOWEST_RATIO}, parameter="drive_frequency", value=ratio
         )
     return result
 
@@ -268,7 +262,8 @@ def parameter_of(system: System, drive: Drive, name: Any) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
     known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
     if not isinstance(name, str) or name not in known:
-        raise InputError(f"unknown parameter {name!r}: {suggest(str(name), list(known))}")
+        hint = suggest(str(name), list(known))
+        raise broken_rule("unknown", {"kind": "parameter", "name": name, "hint": hint})
     return known[name]
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 
 from latolato.analysis.linear import SLOWEST, linearised
 from latolato.analysis.registry import analyses, labelled
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System
@@ -79,18 +79,15 @@ def growth_rate(
         rate = w0 * (math.sqrt(max(rest, 0.0)) - zeta)
         w = math.nan if is_static or w == 0.0 else w
     elif w < SLOWEST * w0:
-        raise InputError(
-            f"must be at least {SLOWEST:g} of the natural frequency {w0:g} rad/s",
+        raise broken_analysis(
+            "slowest_drive",
+            {"share": SLOWEST, "frequency": w0},
             parameter="drive_frequency",
             value=w,
         )
     elif problem.slackens(w, amplitude):
-        raise InputError(
-            f"must be smaller for a ball that hangs still on a taut string: at {w:g} rad/s the "
-            "pivot falls faster than the ball",
-            parameter="drive_amplitude",
-            value=amplitude,
-            way_out="lower it or give suspension='rod'",
+        raise broken_analysis(
+            "taut_hanging", {"frequency": w}, parameter="drive_amplitude", value=amplitude
         )
     else:
         rate = problem.growth(w, amplitude, method)

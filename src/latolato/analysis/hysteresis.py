@@ -17,9 +17,9 @@ from latolato.analysis.checks import (
     increasing,
 )
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import settled_cases
-from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
@@ -148,7 +148,7 @@ def hysteresis(
     drive = checked_vertical(drive)
     ratios = increasing("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2:
-        raise InputError("must hold at least 2 values", parameter="frequency_ratio", value=ratios)
+        raise broken_analysis("two_values", parameter="frequency_ratio", value=ratios)
     amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     transient = 0.5 * duration if transient is None else transient
     start = start_options(system, initial_angle, initial_angular_velocity, initial_offset)

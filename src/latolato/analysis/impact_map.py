@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -84,10 +84,7 @@ def impact_map(
     """
     drive = checked_periodic(system, drive)
     if not system.has_contacts:
-        raise InputError(
-            f"an impact map needs walls, and {type(system).__name__} has none; use LatoLato or "
-            "BallPair, or poincare_section"
-        )
+        raise broken_analysis("walls_of_map", {"law": type(system).__name__})
     period = math.tau / drive.drive_frequency
     begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import check_drag, checked_vertical
 from latolato.analysis.roots import find_peak, find_root, first_rise
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.waveform import (
     Complexes,
     band_edges,
@@ -26,7 +27,6 @@ from latolato.analysis.waveform import (
     hill_value,
     undamped_growth,
 )
-from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import describe
 from latolato.core.rules import broken_rule
@@ -223,25 +223,13 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
     checked_system(system)
     check_drag(system)
     if position == "inverted" and system.suspension == "string":
-        raise InputError(
-            "must be 'rod' for a ball that stands upright: a string does not push",
-            parameter="suspension",
-            value=system.suspension,
-            way_out="give suspension='rod'",
-        )
+        raise broken_analysis("upright_rod", parameter="suspension", value=system.suspension)
     if position == "inverted" and system.is_linear:
-        raise InputError(
-            "a Mathieu system is linearised about hanging and has no inverted position; use "
-            "ll.Pendulum"
-        )
+        raise broken_analysis("inverted_mathieu")
     for ball in system.balls:
         if ball.coulomb_damping > 0.0:
-            raise InputError(
-                "must be 0",
-                parameter="coulomb_damping",
-                value=ball.coulomb_damping,
-                way_out="dry friction holds the ball near the position, whose stability is then no "
-                "linear question: simulate with a push instead",
+            raise broken_analysis(
+                "linear_friction", parameter="coulomb_damping", value=ball.coulomb_damping
             )
     ball = system.balls[0]
     if isinstance(system, (LatoLato, BallPair)):
@@ -260,32 +248,20 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
 def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
     """Refuse balls that are kept from the position, or lose energy at every passage of it."""
     ball = system.balls[0]
-    where = "hang straight down" if position == "hanging" else "stand upright"
-    way_out = (
-        f"choose the system Pendulum, which has no walls, with length {ball.length:g}, "
-        f"mass {ball.mass:g}, damping {ball.damping:g} and gravity {system.gravity:g}"
-    )
+    pendulum = {
+        "length": ball.length, "mass": ball.mass, "damping": ball.damping,
+        "gravity": system.gravity,
+    }  # fmt: skip
     if any(each.radius > 0.0 for each in system.balls):
-        raise InputError(
-            f"must be 0 for balls that {where}: others touch before",
-            parameter="radius",
-            value=max(each.radius for each in system.balls),
-            way_out=way_out,
-        )
+        rule = "hanging_points" if position == "hanging" else "upright_points"
+        radius = max(each.radius for each in system.balls)
+        raise broken_analysis(rule, pendulum, parameter="radius", value=radius)
     if system.restitution < 1.0:
-        raise InputError(
-            "must be 1",
-            parameter="restitution",
-            value=system.restitution,
-            way_out="balls that lose energy whenever they meet follow no linear equation: "
-            f"{way_out}",
+        raise broken_analysis(
+            "lossless_balls", pendulum, parameter="restitution", value=system.restitution
         )
-    rates = {each.damping / each.mass for each in system.balls}
-    if len(rates) > 1:
-        raise InputError(
-            "the balls must have one drag rate damping/mass, or their meetings mix two motions",
-            way_out=way_out,
-        )
+    if len({each.damping / each.mass for each in system.balls}) > 1:
+        raise broken_analysis("one_drag_rate", pendulum)
 
 
 def check_oscillates(problem: Linear) -> None:

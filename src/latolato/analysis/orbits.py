@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import Range
 from latolato.physics.contacts import BOTTOM, RELEASE, REST, TOP
 from latolato.physics.pendulum import System
@@ -88,13 +88,8 @@ class Orbit:
 def check_taut(orbit: Orbit) -> None:
     """Raise InputError for an orbit on strings on which one goes slack."""
     if orbit.slackens:
-        raise InputError(
-            "must be 'rod' for this orbit: a string goes slack "
-            f"{orbit.passage.slack_time:.6g} s after time zero, and orbits are followed on taut "
-            "strings only",
-            parameter="suspension",
-            value="string",
-            way_out="shake less, begin at another orbit, or give suspension='rod'",
+        raise broken_analysis(
+            "taut_orbit", {"time": orbit.passage.slack_time}, parameter="suspension", value="string"
         )
 
 
@@ -111,11 +106,7 @@ def checked_guess(flow: Flow, angle: Any, velocity: Any, offset: Any) -> Floats:
     system = flow.system
     if angle is None and offset is None:
         if system.has_contacts and math.isfinite(flow.walls[0]):
-            raise InputError(
-                "is needed [rad]: a motion between walls has no natural first guess",
-                parameter="initial_angle",
-                way_out="give a start on the attractor, from a run",
-            )
+            raise broken_analysis("first_guess", parameter="initial_angle")
         angle = 0.0 if system.angles == 1 else (0.0, 0.0)
     begun = checked_start(system, flow.contact, angle, velocity, offset)
     return np.array([x for pair in zip(begun.angles, begun.velocities, strict=True) for x in pair])

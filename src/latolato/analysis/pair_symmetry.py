@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import single_start
-from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.perturbations import TransverseExponent
@@ -106,12 +106,7 @@ def pair_symmetry(
     from latolato.sweeps import sweep
 
     if not isinstance(system, LatoLato):
-        raise InputError(
-            "must be a LatoLato, whose one-ball model is tested: other systems have no "
-            "mirror-symmetric motion",
-            parameter="system",
-            value=type(system).__name__,
-        )
+        raise broken_analysis("mirror_symmetric", parameter="system", value=type(system).__name__)
     driven = checked_drive(drive, system)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]

@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import Quantity, Range
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
@@ -90,7 +90,7 @@ def poincare_section(
     numbers = np.arange(first, first + periods, dtype=np.float64)
     times = np.asarray((numbers + lead) * (math.tau / drive.drive_frequency), dtype=np.float64)
     if periods == 1 and times[0] == 0.0:
-        raise InputError("the only point would be the start: take more periods or a transient")
+        raise broken_analysis("points_of_section")
     run = simulate(
         system,
         drive,

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, array_field, quantity_field
 from latolato.core.registry import check_fields, checked_array
 from latolato.physics.drives import FrequencySchedule
@@ -54,11 +54,8 @@ class Protocol:
         stages = tuple(checked_array("drive_frequencies", frequencies, POSITIVE, unit="rad/s"))
         dwells = tuple(checked_array("dwells", dwells, POSITIVE, at_least=0, unit="s"))
         if len(dwells) != len(stages) - 1:
-            raise InputError(
-                f"must be one fewer than the {len(stages)} drive_frequencies",
-                parameter="dwells",
-                value=dwells,
-                way_out="the last stage goes on",
+            raise broken_analysis(
+                "one_dwell_fewer", {"count": len(stages)}, parameter="dwells", value=dwells
             )
         object.__setattr__(self, "drive_frequencies", stages)
         object.__setattr__(self, "dwells", dwells)

@@ -13,8 +13,8 @@ from latolato.analysis.checks import check_drag, hits_pull
 from latolato.analysis.linear import RATIOS, checked_template, peak, phase_of_peak, waveform_of
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.roots import find_root
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import hanging_angles
-from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, PeriodicDrive
 from latolato.physics.pendulum import System, systems
@@ -138,23 +138,11 @@ def _resting_angles(system: System) -> tuple[float, ...]:
     check_drag(checked_system(system))
     angles = hanging_angles(system)
     if not system.has_contacts:
-        raise InputError(
-            f"a {systems.name_of(system)} has no wall to start from; use a LatoLato or BallPair, "
-            "or threshold_amplitude for growth from hanging"
-        )
+        raise broken_analysis("wall_to_start", {"law": systems.name_of(system)})
     if angles[0] == 0.0:
-        raise InputError(
-            "balls without a radius rest straight below the pivot, where nothing lifts them; give "
-            "a radius or use threshold_amplitude"
-        )
+        raise broken_analysis("lifting_radius")
     if system.suspension == "string" and not hits_pull(system):
-        raise InputError(
-            "must be 'rod' for balls of so different lengths: where they rest on each other, the "
-            "upper one would have to be held by a push",
-            parameter="suspension",
-            value=system.suspension,
-            way_out="make the lengths more alike, or give suspension='rod'",
-        )
+        raise broken_analysis("alike_lengths", parameter="suspension", value=system.suspension)
     return angles
 
 

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 from latolato.analysis.checks import check_rods, check_vertical, checked_nonlinear, increasing
 from latolato.analysis.protocol import Protocol
 from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import start_columns, start_options
-from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.core.registry import checked_number
 from latolato.physics.drives import Chirp, Drive, Harmonic, Segment, drives
@@ -259,7 +259,7 @@ def _drive_of(
     last = last_cosine(checked_drive(drive))
     if last is None:
         name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise InputError(f"{name} drive has no stages: give a Harmonic one or a FrequencySchedule")
+        raise broken_analysis("drive_of_stages", {"law": name})
     amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
         target = frequency_ratio * system.natural_frequency

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from latolato.analysis.flow import varied
-from latolato.core.errors import InputError
+from latolato.analysis.rules import broken_analysis
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -46,12 +46,7 @@ class SpecialPoint:
         """
         is_point = getattr(at, "ndim", None) == 0 and "special_kind" in getattr(at, "coords", {})
         if not is_point or drive is None:
-            raise InputError(
-                "must be a special point of continue_orbit",
-                parameter="at",
-                value=_shown(at),
-                way_out="give branch.special[0], and the drive of the branch",
-            )
+            raise broken_analysis("special_point", parameter="at", value=_shown(at))
         system, drive = varied(system, drive, at.attrs["parameter"], float(at["special_value"]))
         start = (at[f"special_initial_{name}"].values for name in ("angle", "angular_velocity"))
         angle, velocity = (float(x) if x.ndim == 0 else tuple(map(float, x)) for x in start)

@@ -12,8 +12,8 @@ from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_vertical
 from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import start_options
-from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.observables import PoincareSection
 from latolato.physics.drives import Drive
@@ -267,10 +267,7 @@ def time_crystal(
     ratios = ratios if frequency_ratio is None else np.array(frequency_ratio)
     amplitudes = np.array([drive.drive_amplitude] if drive_amplitude is None else drive_amplitude)
     if trajectories > 1 and noise_strength == 0.0:
-        raise InputError(
-            f"{trajectories} trajectories without noise are all the same: give noise_strength or "
-            "one"
-        )
+        raise broken_analysis("alike_trajectories", {"count": trajectories})
     start = start_options(
         system, initial_angle, initial_angular_velocity, initial_offset, beside=0.1
     )

@@ -22,6 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.roots import find_root
+from latolato.analysis.rules import broken_analysis
 from latolato.core.errors import InputError
 
 Complexes = NDArray[np.complex128]
@@ -57,10 +58,7 @@ def fourier_coefficients(waveform: Callable[[float], float]) -> Complexes:
             is_even = float(np.abs(result.imag).max()) <= least
             return np.asarray(result.real + 0j if is_even else result)
         count *= 2
-    raise InputError(
-        f"the drive's waveform has more than {_MOST_SAMPLES // 4} overtones: it is not smooth "
-        "enough for this analysis; a crank must be shorter than its connecting rod by more"
-    )
+    raise broken_analysis("smooth_drive", {"count": _MOST_SAMPLES // 4})
 
 
 def enough_harmonics(coefficients: Complexes, is_odd: bool, count: int) -> int:

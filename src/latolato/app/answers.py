@@ -12,6 +12,7 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 
+from latolato.app.processes import JobError
 from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of, refusal_of
@@ -77,21 +78,31 @@ def refusal(status: int, error: Exception) -> JSONResponse:
 
 
 def message_of(error: Exception) -> dict[str, Any]:
-    """Return the message of an error for a page, and the option that it is about.
+    """Return the message of an error for a page, the option that it is about, and its parts.
 
-    The message calls the option what the page calls it.
+    The message calls the option what the page calls it. Of its parts, `InputError.parts`, a page
+    makes it in another language; they are None for a fault of the program.
 
     Examples
     --------
-    >>> message_of(InputError("must be given in m", parameter="drive_amplitude", value="x"))
-    {'error': "“driving amplitude” must be given in m, got 'x'", 'field': 'drive_amplitude'}
+    >>> message = message_of(InputError("must be in m", parameter="drive_amplitude", value="x"))
+    >>> message["error"], message["field"]
+    ("“driving amplitude” must be in m, got 'x'", 'drive_amplitude')
     """
     from latolato.app.forms import label_of
 
     field = field_of(error)
     if not isinstance(error, InputError) or field is None:
-        return {"error": line_of(error), "field": None}
-    return {"error": error.worded(f"“{label_of(field)}”"), "field": field}
+        return {"error": line_of(error), "field": None, "parts": parts_of(error)}
+    text = error.worded(f"“{label_of(field)}”")
+    return {"error": text, "field": field, "parts": parts_of(error)}
+
+
+def parts_of(error: Exception) -> dict[str, Any] | None:
+    """Return the parts of refused input; those that the process of a job has told stay."""
+    if isinstance(error, JobError):
+        return error.told
+    return error.parts() if isinstance(error, InputError) else None
 
 
 def field_of(error: Exception) -> str | None:

@@ -2,7 +2,7 @@
 
 A job lives as long as its WebSocket. The page sends one frame of JSON with its request. It
 gets frames ``{"state": word, "elapsed": seconds, "progress": share}``, and at last either
-``{"error": text, "field": option}`` or one binary block with the result.
+``{"error": text, "field": option, "parts": its parts}`` or one binary block with the result.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from typing import Any
 import anyio
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import in_thread, parameter_of
+from latolato.app.answers import in_thread, parameter_of, parts_of
 from latolato.app.processes import Workers
 from latolato.core.faults import line_of
 
@@ -83,7 +83,8 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
             block = job.ready or await _done(websocket, workers, job)
         except Exception as error:
             # As it is: analyses have parameters of their own, for which their page has labels.
-            await websocket.send_json({"error": line_of(error), "field": parameter_of(error)})
+            message = {"error": line_of(error), "field": parameter_of(error)}
+            await websocket.send_json({**message, "parts": parts_of(error)})
         else:
             if block is None:
                 return

@@ -26,7 +26,15 @@ Hear = Callable[[dict[str, Any]], None]
 
 
 class JobError(InputError):
-    """A job that gave no answer, with the line that says why."""
+    """A job that gave no answer, with the line that says why.
+
+    Attributes
+    ----------
+    told : dict or None
+        The parts of the error in its process, where that was refused input.
+    """
+
+    told: dict[str, Any] | None = None
 
 
 class EndedError(JobError):
@@ -107,7 +115,9 @@ class Worker:
                 result: dict[str, Any] = message["done"]
                 return result
             if "error" in message:
-                raise JobError(message["error"], parameter=message.get("parameter"))
+                failed = JobError(message["error"], parameter=message.get("parameter"))
+                failed.told = message.get("parts")
+                raise failed
             self.is_ready = True
             hear(message)
         raise EndedError(self.process.wait())

@@ -61,7 +61,8 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
             result = function(job["request"], Path(job["folder"]), progress)
     except Exception as error:
         if isinstance(error, InputError):
-            tell({"error": error.worded("{parameter}"), "parameter": error.parameter})
+            text = error.worded("{parameter}")
+            tell({"error": text, "parameter": error.parameter, "parts": error.parts()})
         else:
             tell({"error": line_of(error)})
     else:

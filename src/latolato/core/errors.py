@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Iterator
+import json
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 # Stands for a value that is not given, as None may be one.
 NOT_GIVEN: Any = object()
@@ -14,6 +15,18 @@ NOT_GIVEN: Any = object()
 _NAME = "{parameter}"
 # Letters of a value in a text.
 _LONGEST = 200
+
+
+class NamedRule(NamedTuple):
+    """A rule of a table: its name, its sentence and way out with gaps, and what stands in them.
+
+    Pages say it in another language by its name.
+    """
+
+    name: str
+    rule: str
+    way_out: str
+    values: Mapping[str, Any]
 
 
 class InputError(ValueError):
@@ -39,6 +52,8 @@ class InputError(ValueError):
     ----------
     where : str
         The file that holds the input, "" if none does; begins the text.
+    named : NamedRule or None
+        The rule in its table, if it has a name there.
 
     Examples
     --------
@@ -66,6 +81,7 @@ class InputError(ValueError):
         self.has_value = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
+        self.named: NamedRule | None = None
 
     def worded(self, name: str | None) -> str:
         """Return the whole text on one line, with this name for the parameter."""
@@ -88,6 +104,37 @@ class InputError(ValueError):
         if self.where:
             text = f"{self.where}: {text}"
         return " ".join(text.split())
+
+    def parts(self) -> dict[str, Any] | None:
+        """Return what the text is made of, as JSON; None where JSON cannot hold it.
+
+        A sentence of a rule that has a name is ``{"name", "part", "text", "values"}``, with gaps
+        in its text; any other is a text.
+        """
+
+        def sentence(part: str, text: str) -> Any:
+            if self.named is None:
+                return text
+            name, values = self.named.name, self.named.values
+            known: str = getattr(self.named, part)
+            # A way out may have been replaced, or another one added.
+            if known.format(parameter=_NAME, **values) != text:
+                return text
+            plain = {key: _plain(value) for key, value in values.items()}
+            return {"name": name, "part": part, "text": known, "values": plain}
+
+        if self.where:
+            return None
+        result = {"rule": sentence("rule", self.rule), "parameter": self.parameter}
+        if self.has_value:
+            result["value"] = _plain(self.value)
+        if self.way_out is not None:
+            result["way_out"] = sentence("way_out", self.way_out)
+        try:
+            json.dumps(result, allow_nan=False)
+        except (TypeError, ValueError):
+            return None
+        return result
 
     def add_way_out(self, text: str) -> None:
         """Say one more thing that can be done."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from latolato.core.errors import NOT_GIVEN, InputError
+from latolato.core.errors import NOT_GIVEN, InputError, NamedRule
 
 
 class Rule(NamedTuple):
@@ -220,24 +220,30 @@ def broken_rule(
     value: Any = NOT_GIVEN,
     way_out: str | None = None,
     kind: type[InputError] = InputError,
+    table: Mapping[str, Rule] = RULES,
 ) -> InputError:
     """Return the error of input that breaks a rule.
 
     Parameters
     ----------
     name : str
-        One of `RULES`.
+        One of the table.
     values : mapping, optional
         What stands in the gaps of its sentence.
     parameter, value, way_out
         Those of `InputError`; a way out that is given takes the place of the rule's.
     kind : type
         `InputError`, or a kind of it.
+    table : mapping
+        `RULES`, or rules that only Python checks.
 
     Examples
     --------
     >>> print(broken_rule("shortest_stage", {"shortest": 0.5}, parameter="ramp", value=2.0))
     ramp must not exceed the shortest stage 0.5 s, got 2
     """
-    rule, usual = (text.format(**(values or {}), parameter="{parameter}") for text in RULES[name])
-    return kind(rule, parameter=parameter, value=value, way_out=way_out or usual or None)
+    named = NamedRule(name, *table[name], values or {})
+    rule, usual = (text.format(**named.values, parameter="{parameter}") for text in table[name])
+    error = kind(rule, parameter=parameter, value=value, way_out=way_out or usual or None)
+    error.named = named
+    return error

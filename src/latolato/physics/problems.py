@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, NamedRule
 
 
 class Problem(NamedTuple):
@@ -178,9 +178,11 @@ def refusal(number: int, values: Sequence[Any]) -> InputError:
     problem = PROBLEMS[number]
     named = {name: float(x) for name, x in zip(problem.values, values, strict=False)}
     given = {"value": named[problem.value]} if problem.value else {}
-    return InputError(
+    error = InputError(
         problem.rule.format(parameter="{parameter}", **named),
         parameter=problem.parameter,
         way_out=problem.way_out.format(**named) or None,
         **given,
     )
+    error.named = NamedRule(problem.name, problem.rule, problem.way_out, named)
+    return error

@@ -105,6 +105,7 @@ class AnalysisCall:
     def _needed(self, option: Parameter, scenario: Scenario) -> Any:
         """Return a needed value from the laws of a scenario."""
         from latolato.analysis.flow import value_of
+        from latolato.analysis.rules import broken_analysis
 
         drive = _moving(scenario)
         if drive is not None and not option.several:
@@ -114,10 +115,8 @@ class AnalysisCall:
                 pass
         unit = "" if option.unit_of else in_brackets(option.unit)
         example = ' "0 : 1 : 11"' if option.several else ""
-        raise InputError(
-            f"{self.name} needs {{parameter}}{unit}: give {option.flag}{example}",
-            parameter=option.name,
-        )
+        names = {"name": self.name, "unit": unit, "option": f"{option.flag}{example}"}
+        raise broken_analysis("needed_by_analysis", names, parameter=option.name)
 
     def _unit(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""

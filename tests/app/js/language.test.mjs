@@ -109,6 +109,14 @@ test("words and sentences in the gaps of a sentence are translated, names are no
   assert.equal(inLanguage(error), "pogon 'lengt' nije poznat: jeste li mislili 'length'?");
 });
 
+test("a number that is too small for its unit is refused in the unit of its field", () => {
+  const limits = [{ is_lower: true, end: 1e-30, is_open: false, rule: "tiny", values: { end: "1e-30 m" } }];
+  const options = { length: { ...REGISTRY.options.length, unit: "m", units: [{ name: "cm", size: 0.01 }], limits } };
+  const error = brokenRule("tiny", { parameter: "length", value: 1e-40 }, { end: "1e-30 m" });
+  const [text] = inPagesWords({ options }, error);
+  assert.match(text, /1e-28 cm.*1e-38.*check its unit/);
+});
+
 test("a rule without a translation is in English", () => {
   assert.equal(inLanguage(brokenRule("rigid_rod", { parameter: "string_restitution", value: 0.5 })),
     "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, zadano je 0,5; "

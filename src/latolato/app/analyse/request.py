@@ -10,10 +10,12 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.analysis.rules import broken_analysis
 from latolato.app.analyse.forms import own_options
 from latolato.app.lines import constructor, literal
 from latolato.app.run_request import MOST_LISTED, RunRequest, TooLargeError
 from latolato.core.errors import InputError
+from latolato.core.rules import broken_rule
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
@@ -151,20 +153,27 @@ def _typed(option: Parameter, text: str) -> Any:
         if ":" in text:
             match = _RANGE.fullmatch(text)
             if match is None or Path(text).is_file():
-                raise InputError("must be low : high : count", parameter=option.name, value=text)
+                raise broken_analysis("range_of_values", parameter=option.name, value=text)
             if int(match["count"]) > MOST_LISTED:
-                raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
+                raise _too_many(option)
             return text
         parts = [part.strip() for part in text.split(",") if part.strip()]
         if len(parts) > MOST_LISTED:
-            raise TooLargeError(f"may have {MOST_LISTED} values at most", parameter=option.name)
+            raise _too_many(option)
         return parts[0] if option.or_one and len(parts) == 1 else parts
     if option.kind is bool:
         if text.lower() not in ("true", "false"):
-            raise InputError("must be true or false", parameter=option.name, value=text)
+            raise broken_analysis("true_or_false", parameter=option.name, value=text)
         return text.lower() == "true"
     if option.kind is int:
         if not re.fullmatch(r"[-+]?\d{1,18}", text):
-            raise InputError("must be a whole number", parameter=option.name, value=text)
+            raise broken_rule("whole_number", parameter=option.name, value=text)
         return int(text)
     return text
+
+
+def _too_many(option: Parameter) -> InputError:
+    """Return the error of a list that is too long."""
+    return broken_analysis(
+        "most_values", {"limit": MOST_LISTED}, parameter=option.name, kind=TooLargeError
+    )

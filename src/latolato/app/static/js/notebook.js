@@ -138,7 +138,7 @@ export async function render({ model, el: cell }) {
   const inset = new EmbeddedPlayer(host);
   // Where one sees the balls while a slider moves.
   const below = el("div", { class: "controls" });
-  inset.player.more.root.before(below);
+  inset.player.moreCurves.before(below);
   await inset.load();
   const show = () => {
     const { buffer, byteOffset, byteLength } = /** @type {DataView} */ (model.get("block"));

@@ -30,6 +30,8 @@ export class ArgumentForm {
     this.fields = {};
     /** @type {Record<string, {label: string}>} what options and parameters are called */
     this.words = {};
+    /** What the fields on show are made of: those in which somebody types stay until it changes. */
+    this.shape = "";
     this.more = el("details", { class: "inner" });
     this.root = el("div", { class: "settings" });
     this.store = /** @type {any} */ ({ state: { options: this.values }, set: (/** @type {any} */ { options }) => {
@@ -41,6 +43,8 @@ export class ArgumentForm {
       changed(this.changes());
     } });
     this.form = new Form(el("div", {}), {}, this.store);
+    /** The registry with the options of the analysis, for refusals. */
+    this.registryInWords = registry;
   }
 
   /**
@@ -63,8 +67,15 @@ export class ArgumentForm {
     this.values = this.store.state.options = { ...this.begun, ...typed };
     const shown = Object.fromEntries(Object.entries(options).map(([each, option]) =>
       [each, this.shownAs(each, option, about, varied)]));
+    const shape = JSON.stringify([shown, first]);
+    if (same && shape === this.shape) {
+      this.form.read();
+      return;
+    }
+    this.shape = shape;
     const { units, prefixes } = this.registry;
     this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: shown }, this.store);
+    this.registryInWords = { ...this.registry, options: /** @type {any} */ ({ ...this.registry.options, ...shown }) };
     const field = (/** @type {string} */ each) => {
       const { choices, switch: isSwitch } = shown[each];
       if (each === VARIED) return this.form.choiceField(each, shown[each], choices);

@@ -1,8 +1,8 @@
 /** The result of an analysis: picture, numbers, files, and lines of Python and shell that compute it. */
 
 import { codeBlocks } from "../page/code.js";
-import { el } from "../page/dom.js";
-import { fileOf, saveFile } from "../page/jobs.js";
+import { el, saveFile } from "../page/dom.js";
+import { fileOf } from "../page/jobs.js";
 import { short } from "../page/unit_text.js";
 import { ENGLISH, t } from "../strings.js";
 

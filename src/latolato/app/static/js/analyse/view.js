@@ -1,7 +1,6 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
-import { specify } from "../model/case.js";
-import { askJson, newest, Offline } from "../page/api.js";
+import { askJson, newest, Offline, Refusal } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { JobLine } from "../page/jobs.js";
@@ -130,8 +129,7 @@ export class AnalyseView {
         this.timer = window.setTimeout(() => this.refresh(null), RETRY);
         return;
       }
-      const [text, field] = await specify(registry, this.request).then(
-        () => [error.message, /** @type {any} */ (error).field ?? null], (refusal) => inPagesWords(registry, refusal));
+      const [text, field] = inPagesWords(registry, error instanceof Refusal && error.input || error);
       this.notify(text);
       this.laws.error(text, field);
       return;
@@ -219,11 +217,9 @@ export class AnalyseView {
     this.answer.classList.toggle("stale", this.asked !== "" && JSON.stringify(this.question) !== this.asked);
   }
 
-  /**
-   * @param {string} text why there is no result
-   * @param {string | null} field that it is about
-   */
-  refuse(text, field) {
+  /** @param {Refusal} refusal why there is no result */
+  refuse({ input, message, field: about }) {
+    const [text, field] = input ? inPagesWords(this.own.registryInWords, input) : [tr(message), about];
     if (!this.own.error(text, field)) this.job.refuse(inWords(text, this.own.words));
     else this.job.error.hidden = true;
   }
@@ -238,7 +234,7 @@ export class AnalyseView {
     const block = await this.job.run("ws/analyse", question);
     if (JSON.stringify(question) !== this.asked) return;
     if (!block) {
-      if (!this.job.error.hidden) this.refuse(this.job.error.textContent ?? "", this.job.field);
+      if (this.job.refusal) this.refuse(this.job.refusal);
       this.asked = "";
       return;
     }

@@ -67,6 +67,11 @@ export function loadModule(name) {
   return once(path, async () => WebAssembly.compile(await (await contentOf(path)).arrayBuffer()));
 }
 
+/** Load what most runs need; a run that needs it reports a fault. */
+export function loadAhead() {
+  for (const load of [loadLayout, () => loadModule("one")]) load().catch(() => {});
+}
+
 /**
  * Return a module that is ready to be called; all who ask share its memory.
  * @param {string} name

@@ -1,7 +1,7 @@
 /** The menu from which the map on show is stored: its numbers and its picture. */
 
-import { el, notify } from "../page/dom.js";
-import { fileOf, JobLine, saveFile } from "../page/jobs.js";
+import { el, notify, saveFile } from "../page/dom.js";
+import { fileOf, JobLine } from "../page/jobs.js";
 import { t } from "../strings.js";
 import { lookOf } from "./colours.js";
 import { pictureOf } from "./image.js";

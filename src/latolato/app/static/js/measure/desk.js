@@ -78,7 +78,7 @@ export class Desk {
       request.addEventListener("error", () => reject(new Refusal(t("offline"))));
       request.addEventListener("load", () => {
         if (request.status === 200) resolve(request.response.clip);
-        else reject(new Refusal(request.response?.error ?? t("offline")));
+        else reject(new Refusal(request.response?.error ?? t("offline"), null, request.response?.parts));
       });
       show(0);
       request.send(file);

@@ -83,7 +83,7 @@ function fitTable(title, names, values, truth, registry) {
           ` ${unitText}`, el("small", {},
             [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
         compared && el("td", { class: "number" }, ...(name in truth
-          ? [localShort(inUnit(truth[name]), 5), el("small", {}, percent(off))] : [])));
+          ? [el("span", {}, localShort(inUnit(truth[name]), 5)), el("small", {}, percent(off))] : [])));
     }))));
 }
 

@@ -2,6 +2,7 @@
 
 import { askJson } from "../page/api.js";
 import { inner } from "../page/block.js";
+import { inLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
 import { sheetOf } from "./sheet.js";
@@ -100,7 +101,7 @@ export class Session {
       } });
     } catch (error) {
       const aborted = error instanceof DOMException && error.name === "AbortError";
-      clip.error = aborted ? t("cancelled") : /** @type {Error} */ (error).message;
+      clip.error = aborted ? t("cancelled") : inLanguage(/** @type {any} */ (error).input ?? error);
       clip.field = /** @type {any} */ (error).field ?? null;
       return null;
     } finally {

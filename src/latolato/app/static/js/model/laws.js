@@ -1,6 +1,7 @@
 /** Systems, drives and contact laws from their parameters, checked as Python checks them. */
 
 import { begin, shake } from "../kernels/begin.js";
+import { foreign } from "./options.js";
 import { brokenRule, checkedChoice, checkedNumber, noList, refusal } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
@@ -56,30 +57,6 @@ function numbersOf(registry, part, kind, input) {
     values[name] = checkedNumber(option, name, values[name]);
   }
   return values;
-}
-
-/**
- * Return the error of an option that belongs to other laws.
- * @param {Registry} registry
- * @param {"system" | "drive"} part
- * @param {string} kind
- * @param {string} name
- * @param {string} [called] what the option was given as
- */
-export function foreign(registry, part, kind, name, called = name) {
-  const { path } = registry.options[name];
-  const laws = registry[`${part}s`];
-  const owns = (/** @type {string} */ each) => laws[each].options.some((own) =>
-    registry.options[own].path[0] === path[0]);
-  const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
-  if (inside.length) {
-    const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
-    return brokenRule("of_each_part", { parameter: path[0] }, { law: laws[kind].title, parts: each });
-  }
-  const inner = path[1] ?? "";
-  const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
-  return brokenRule(knows ? "foreign_part" : "foreign", { parameter: called },
-    { part: { word: part }, owners: Object.keys(laws).filter(owns).join(" or "), kind, name: inner });
 }
 
 /**

@@ -1,6 +1,5 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
-import { foreign } from "./laws.js";
 import { brokenRule, checkedNumber, suggest, unknown } from "./rules.js";
 import { toSi } from "./units.js";
 
@@ -170,4 +169,28 @@ export function withoutRatios(registry, kind, drive, naturalFrequency) {
       checkedNumber(registry.options[ratio], ratio, number) * naturalFrequency);
     drive[name] = several ? numbers : numbers[0];
   }
+}
+
+/**
+ * Return the error of an option that belongs to other laws.
+ * @param {Registry} registry
+ * @param {"system" | "drive"} part
+ * @param {string} kind
+ * @param {string} name
+ * @param {string} [called] what the option was given as
+ */
+export function foreign(registry, part, kind, name, called = name) {
+  const { path } = registry.options[name];
+  const laws = registry[`${part}s`];
+  const owns = (/** @type {string} */ each) => laws[each].options.some((own) =>
+    registry.options[own].path[0] === path[0]);
+  const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
+  if (inside.length) {
+    const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
+    return brokenRule("of_each_part", { parameter: path[0] }, { law: laws[kind].title, parts: each });
+  }
+  const inner = path[1] ?? "";
+  const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
+  return brokenRule(knows ? "foreign_part" : "foreign", { parameter: called },
+    { part: { word: part }, owners: Object.keys(laws).filter(owns).join(" or "), kind, name: inner });
 }

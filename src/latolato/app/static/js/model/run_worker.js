@@ -1,6 +1,6 @@
 /** Runs beside the page: each message is a question, see `answer.js`. */
 
-import { loadLayout, loadModule } from "../kernels/load.js";
+import { loadAhead } from "../kernels/load.js";
 import { answer } from "./reply.js";
 import { loadRegistry } from "./registry.js";
 
@@ -9,7 +9,6 @@ self.addEventListener("message", async ({ data }) => {
   const buffers = new Set(Object.values(result.block?.arrays ?? {}).map((array) => array.buffer));
   self.postMessage(result, { transfer: [...buffers] });
 });
-// What most runs need comes at once; a run that needs it reports a fault.
-for (const load of [loadLayout, () => loadModule("one")]) load().catch(() => {});
+loadAhead();
 // Until then a page does not know whether it may have workers.
 void loadRegistry().then(() => self.postMessage(null));

@@ -1,16 +1,25 @@
 /** What the page asks the server. */
 
+import { InputError } from "../model/rules.js";
 import { unpack } from "./block.js";
+
+/** @typedef {import("../model/rules.js").Sentence} Sentence */
 
 /** A request that the server refused, with one line that says why. */
 export class Refusal extends Error {
   /**
    * @param {string} message
-   * @param {string | null} field the option that it is about
+   * @param {string | null} [field] the option that it is about
+   * @param {{rule: string | Sentence, parameter: string | null, value?: any, way_out?: string | Sentence} | null}
+   *   [parts] of refused input, see `latolato.core.errors.InputError.parts`
    */
-  constructor(message, field = null) {
+  constructor(message, field = null, parts = null) {
     super(message);
     this.field = field;
+    /** What the page says about it in its own words, where it can. */
+    this.input = parts && new InputError(parts.rule, {
+      ...(parts.parameter !== null && { parameter: parts.parameter }),
+      ...("value" in parts && { value: parts.value }), ...(parts.way_out && { wayOut: parts.way_out }) });
   }
 }
 
@@ -38,8 +47,8 @@ export async function ask(path, body, signal) {
     throw error instanceof TypeError ? new Offline(error.message) : error;
   });
   if (response.ok) return response;
-  const refusal = await response.json().catch(() => ({ error: response.statusText, field: null }));
-  throw new Refusal(refusal.error, refusal.field);
+  const refusal = await response.json().catch(() => ({ error: response.statusText }));
+  throw new Refusal(refusal.error, refusal.field, refusal.parts);
 }
 
 /**

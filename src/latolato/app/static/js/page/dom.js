@@ -138,3 +138,15 @@ export function refresh(place, content, make) {
   place.dataset.content = text;
   place.replaceChildren(...make());
 }
+
+/**
+ * Return nothing; the browser stores a file under a name.
+ * @param {Blob} file
+ * @param {string} name
+ */
+export function saveFile(file, name) {
+  const address = URL.createObjectURL(file);
+  const link = el("a", { href: address, download: name });
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(address), 10_000);
+}

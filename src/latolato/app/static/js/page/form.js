@@ -325,7 +325,12 @@ export class Form {
       });
       this.giveAll(changed);
     };
+    const texts = () => JSON.stringify(columns.map((column, k) => column.map((v) => localShort(v / unit(k).size))));
+    /** What is on show: the cells, in one of which somebody may type, stay until it changes. */
+    let shown = "";
     const draw = () => {
+      if (texts() === shown) return;
+      shown = texts();
       body.replaceChildren(...columns[0].map((_, i) => el("tr", {},
         ...names.map((_name, k) => el("td", {}, el("input", {
           type: "text", inputmode: "decimal",
@@ -343,6 +348,8 @@ export class Form {
               return;
             }
             columns[k][i] = value;
+            input.value = localShort(value / unit(k).size);
+            shown = texts();
             write();
           } },
         }))),

@@ -4,6 +4,7 @@ import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el } from "./dom.js";
+import { inLanguage } from "./refusals.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
@@ -39,7 +40,7 @@ export function doJob(path, request, { notify, signal } = {}) {
       if (data instanceof ArrayBuffer) resolve(unpack(data));
       else {
         const message = JSON.parse(data);
-        if ("error" in message) reject(new Refusal(message.error, message.field));
+        if ("error" in message) reject(new Refusal(message.error, message.field, message.parts));
         else notify?.(message);
       }
     });
@@ -73,8 +74,8 @@ export class JobLine {
     this.cancel = el("button", { type: "button", on: { click: () => this.stop() } },
       t("cancel"));
     this.error = el("p", { class: "error", role: "alert", hidden: true });
-    /** What the refusal on show is about. @type {string | null} */
-    this.field = null;
+    /** Why the last job gave nothing. @type {Refusal | null} */
+    this.refusal = null;
     this.line = el("div", { class: "row job", hidden: true }, this.bar, this.text, this.cancel);
     this.root = el("div", {}, this.line, this.error);
   }
@@ -98,8 +99,8 @@ export class JobLine {
       } });
     } catch (error) {
       if (error instanceof Refusal) {
-        this.field = error.field;
-        this.refuse(error.message);
+        this.refusal = error;
+        this.refuse(inLanguage(error.input ?? error));
       }
       else if (!(error instanceof DOMException)) throw error;
       return null;
@@ -115,6 +116,7 @@ export class JobLine {
   clear() {
     this.line.hidden = true;
     this.error.hidden = true;
+    this.refusal = null;
   }
 
   /** @param {string} text */
@@ -150,16 +152,4 @@ export class JobLine {
  */
 export function fileOf(block, name, type) {
   return new Blob([/** @type {Uint8Array<ArrayBuffer>} */ (block.arrays[name])], { type });
-}
-
-/**
- * Return nothing; the browser stores a file under a name.
- * @param {Blob} file
- * @param {string} name
- */
-export function saveFile(file, name) {
-  const address = URL.createObjectURL(file);
-  const link = el("a", { href: address, download: name });
-  link.click();
-  setTimeout(() => URL.revokeObjectURL(address), 10_000);
 }

@@ -136,15 +136,20 @@ export class Knob {
     return `${localShort(value / size, 4)} ${shownUnit(name)}`.trim();
   }
 
+  /** Whether a text is being typed that nobody has taken yet. */
+  get isTyping() {
+    return this.isDraft && isFocused(this.input);
+  }
+
   /**
-   * Show a value in SI units.
+   * Show a value in SI units; a text that is being typed stays.
    * @param {number} value
    */
   show(value) {
     this.forget();
     this.value = value;
     if (this.units) this.units.value = this.unit.name;
-    this.input.value = localShort(value / this.unit.size, this.digits);
+    if (!this.isTyping) this.input.value = localShort(value / this.unit.size, this.digits);
     this.place();
   }
 

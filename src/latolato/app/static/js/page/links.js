@@ -1,6 +1,7 @@
 /** Links that lead to another view with other parameters. */
 
 import { withoutAlternatives } from "../model/options.js";
+import { toSi } from "../model/units.js";
 import { el } from "./dom.js";
 import { textOf } from "./option_texts.js";
 import { format } from "./state.js";
@@ -53,7 +54,24 @@ export function openState(page, target) {
  */
 export function textsOf(registry, values) {
   return Object.fromEntries(Object.entries(values).map(([name, value]) =>
-    [name, textOf(registry.options[name], value)]));
+    [name, inUsualUnit(registry, name, value)]));
+}
+
+/**
+ * Return the text of an option in the unit that fields show first, where that is read as the same numbers.
+ * @param {any} registry
+ * @param {string} name
+ * @param {any} value in SI units
+ */
+function inUsualUnit(registry, name, value) {
+  const option = registry.options[name];
+  const [unit] = option.units;
+  const values = [value].flat();
+  if (unit && unit.name !== "1" && values.every((each) => typeof each === "number")) {
+    const texts = values.map((each) => `${Number((each / unit.size).toPrecision(12))} ${unit.name}`);
+    if (texts.every((text, i) => toSi(registry, name, text, option.unit) === values[i])) return texts.join(", ");
+  }
+  return textOf(option, value);
 }
 
 /**

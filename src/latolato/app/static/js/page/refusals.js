@@ -10,7 +10,7 @@ const LANGUAGE = { sentence: ruleText, word: tr };
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
 const ENDS = ["at_least", "more_than", "at_most", "less_than"];
-const SIZES = ["size", "turns"];
+const SIZES = ["size", "turns", "tiny"];
 const RADII = ["radius", "right radius", "left radius"];
 // Problems with the start, and the texts for them in the unit on the screen.
 const STARTS = /** @type {Record<string, string>} */ ({
@@ -73,7 +73,7 @@ function endsOf(limits, rule) {
  * @param {import("../model/registry.js").Option} option
  * @param {InputError} error
  */
-function inPlainWords({ unit, units = [], limits }, error) {
+function inPlainWords({ unit, units = [], limits = [] }, error) {
   const { rule, about: { wayOut, ...about } } = error;
   if (typeof rule === "string") return error;
   const { name, size } = units[0] ?? { name: unit, size: 1 };
@@ -90,6 +90,7 @@ function inPlainWords({ unit, units = [], limits }, error) {
   const own = { ...about, value: Number(number(value)) };
   if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
     const [least, most] = endsOf(limits, rule.name);
+    if (!least && !most) return error;
     const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
     const shownEnd = (/** @type {{end: number, is_open: boolean} | null} */ end) =>
       end && { end: withUnit(end.end), is_open: end.is_open };

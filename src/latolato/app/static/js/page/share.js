@@ -1,8 +1,7 @@
 /** Share what is on show: a link to it, and a picture of the stage. */
 
 import { t } from "../strings.js";
-import { el, freshId, notify } from "./dom.js";
-import { saveFile } from "./jobs.js";
+import { el, freshId, notify, saveFile } from "./dom.js";
 import { format } from "./state.js";
 
 /** @typedef {import("./history.js").AddressStore} AddressStore */

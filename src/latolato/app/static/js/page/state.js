@@ -17,8 +17,10 @@
 
 /** The scenario that is shown where the address names nothing. */
 export const FIRST = "toy";
+/** Where the address says that a hand holds the toy. */
+export const HELD = "toy.hand";
 /** What views of older versions are now. @type {Record<string, Partial<State>>} */
-const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { "toy.hand": "1" } },
+const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { [HELD]: "1" } },
   story: { view: "toy", extra: { "story.list": "1" } }, experiment: { view: "measure" } };
 // "embed" stands in addresses of older versions, which showed a view without the bar.
 const KEPT = ["view", "scenario", "embed", "format", "lang"];

@@ -22,13 +22,15 @@ const SETTLED = 0.2;
 // Of the balls, from the back to the front.
 const PAINTS = ["left", "right"];
 
-/** A panel that computes and draws while it is open. */
+/** The content of a drawer, which computes and draws while the drawer is open. */
 export class MoreCurves {
   /**
+   * @param {HTMLDetailsElement} root the drawer
    * @param {Clock} clock
    * @param {Curves} angles that show the same stretch of time
    */
-  constructor(clock, angles) {
+  constructor(root, clock, angles) {
+    this.root = root;
     this.clock = clock;
     this.angles = angles;
     /** @type {Motion | null} */
@@ -48,9 +50,8 @@ export class MoreCurves {
     const card = (/** @type {Node} */ title, /** @type {(Node | string)[]} */ ...content) =>
       el("section", { class: "card" }, title, ...content);
     const head = (/** @type {string} */ name) => el("h2", {}, t(name));
-    this.root = el("details", { class: "more-curves", on: { toggle: () => this.draw() } },
-      el("summary", {}, t("moreCurves")), curves,
-      el("div", { class: "cards" }, card(head("phase"), phase),
+    root.addEventListener("toggle", () => this.draw());
+    root.append(curves, el("div", { class: "cards" }, card(head("phase"), phase),
         card(head("section"), el("p", { class: "hint" }, t("sectionHint")), section),
         card(this.ledgerTitle, el("p", { class: "hint" }, t("ledgerHint")), this.ledger),
         card(head("contacts"), this.contacts)));
@@ -64,7 +65,7 @@ export class MoreCurves {
   }
 
   /**
-   * Show a run: now if the panel is open, else when it is opened.
+   * Show a run: now if the drawer is open, else when it is opened again.
    * @param {Motion} motion
    * @param {Motion | null} pinned
    */

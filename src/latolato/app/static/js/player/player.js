@@ -2,10 +2,9 @@
 
 import { t } from "../strings.js";
 import { Clock } from "./clock.js";
-import { el } from "../page/dom.js";
+import { el, notify } from "../page/dom.js";
 import { slackText } from "./hang.js";
 import { followKeys } from "../page/keys.js";
-import { MoreCurves } from "./more_curves.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
 import { Accessibility } from "./accessibility.js";
@@ -31,7 +30,10 @@ export class Player {
     this.pinned = null;
     const canvas = el("canvas", { class: "scene", role: "img", "aria-label": t("animation") });
     this.timeline = new Timeline(this.clock);
-    this.more = new MoreCurves(this.clock, this.curves);
+    this.moreCurves = el("details", { class: "more-curves", on: { toggle: () => void this.openMore() } },
+      el("summary", {}, t("moreCurves")));
+    /** Made when its drawer is first opened. @type {import("./more_curves.js").MoreCurves | null} */
+    this.more = null;
     this.accessibility = new Accessibility(canvas, () => [{ title: t("keysHere"), actions: this.keys() },
       ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
       ...(this.clock.lead ? [] : [{ title: t("keysOfCurve"), actions: this.curves.actions }])]);
@@ -44,14 +46,14 @@ export class Player {
     this.stage = el("div", { class: "stage" }, canvas, this.tools, this.messages);
     this.bench = el("div", { class: "bench" }, this.stage,
       el("div", { class: "panel" }, this.timeline.root, this.makeTransport(), this.accessibility.root));
-    root.append(this.bench, this.more.root);
+    root.append(this.bench, this.moreCurves);
     this.scene = new Scene(canvas);
     this.start = new Start(this.scene, this.clock);
     canvas.after(this.scene.legend, this.start.said);
     this.curves.held = () => this.scene.held;
     this.curves.onSpan = (from, to) => {
       this.timeline.mark();
-      this.more.setSpan(from, to);
+      this.more?.setSpan(from, to);
     };
     this.clock.subscribe((time) => this.move(time));
     /** What a hand that holds the toy does at which key. @type {import("../page/keys.js").KeyActions} */
@@ -101,6 +103,15 @@ export class Player {
       el("label", { class: "check of-run" }, this.loop, t("loop")));
   }
 
+  /** Fill the drawer of further curves when it is first opened. */
+  async openMore() {
+    if (this.more) return;
+    const module = await import("./more_curves.js").catch(() => notify(t("offline")));
+    if (!module || this.more) return;
+    this.more = new module.MoreCurves(this.moreCurves, this.clock, this.curves);
+    if (this.motion) this.more.show(this.motion, this.pinned);
+  }
+
   /**
    * Show a motion that goes on by itself, as somebody holds the toy, until it is let go.
    * @param {any} motion that grows
@@ -118,7 +129,7 @@ export class Player {
     accessibility.loudest = loudest;
     accessibility.liveRegion.begin({ motion, log: () => motion.log });
     this.timeline.show(motion, null);
-    this.more.show(motion, null);
+    this.more?.show(motion, null);
     this.move(clock.time);
   }
 
@@ -145,7 +156,7 @@ export class Player {
     let log = null;
     this.accessibility.liveRegion.replace({ motion, log: () => { log ??= logOf(motion); return log; } });
     this.timeline.show(motion, this.pinned);
-    this.more.show(motion, this.pinned);
+    this.more?.show(motion, this.pinned);
     this.move(this.clock.time);
     this.start.play();
   }
@@ -163,7 +174,7 @@ export class Player {
     this.scene.draw();
     if (this.motion) {
       this.timeline.show(this.motion, this.pinned);
-      this.more.show(this.motion, this.pinned);
+      this.more?.show(this.motion, this.pinned);
     }
     return this.pinned !== null;
   }
@@ -181,7 +192,7 @@ export class Player {
     if (!this.motion) return;
     this.scene.move(time);
     this.timeline.move(time);
-    this.more.move(time);
+    this.more?.move(time);
     this.accessibility.move(time, this.clock.playing, this.clock.speed);
     const label = this.clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
@@ -194,7 +205,7 @@ export class Player {
     this.clock.pause();
     this.accessibility.close();
     this.curves.destroy();
-    this.more.destroy();
+    this.more?.destroy();
     this.scene.release();
   }
 }

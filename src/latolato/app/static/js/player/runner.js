@@ -1,9 +1,8 @@
 /** Runs for the page, computed in a worker, or in the page itself where workers are refused. */
 
-import { commandLine, pythonLines } from "../model/run_code.js";
 import { InputError } from "../model/rules.js";
+import { beginWorker } from "../model/worker.js";
 import { t } from "../strings.js";
-import { askBlock } from "../page/api.js";
 import { notify } from "../page/dom.js";
 
 /** @typedef {import("../model/options.js").OptionsRequest} OptionsRequest */
@@ -52,11 +51,15 @@ class Inline {
  * shows runs on its way; of those that wait, the newest only.
  */
 export class Runner {
-  /** @param {import("../model/registry.js").Registry} registry */
-  constructor(registry) {
+  /**
+   * @param {import("../model/registry.js").Registry} registry
+   * @param {ReturnType<typeof beginWorker>} [begun] a worker that the page has begun already
+   */
+  constructor(registry, begun = null) {
     this.registry = registry;
     /** @type {Worker | Inline | null} */
     this.worker = null;
+    this.begun = begun;
     /** Whether the worker has begun to answer: one that still loads is not ended. */
     this.isReady = false;
     this.number = 0;
@@ -67,31 +70,22 @@ export class Runner {
     this.waiting = null;
   }
 
-  /** Begin to load the worker and what it computes with. */
-  start() {
-    this.worker ??= this.startWorker();
-    return this.worker;
-  }
-
   startWorker() {
-    let worker;
-    try {
-      worker = new Worker(new URL("../model/run_worker.js", import.meta.url), { type: "module" });
-    } catch {
-      return this.startInline(); // refused by the page's policy or by the browser
-    }
+    const begun = this.begun ?? beginWorker();
+    this.begun = null;
+    if (!begun) return this.startInline();
+    const { worker, begins } = begun;
     this.isReady = false;
+    begins.then(() => { this.isReady = true; }, () => {
+      if (this.worker !== worker) return;
+      this.worker = this.startInline();
+      if (this.running) void this.worker.postMessage(this.running.question);
+    });
     worker.addEventListener("message", ({ data }) => {
-      this.isReady = true;
       if (data) this.receive(data);
     });
     worker.addEventListener("error", ({ message }) => {
-      if (this.isReady) {
-        this.restart(message);
-        return;
-      }
-      this.worker = this.startInline();
-      if (this.running) void this.worker.postMessage(this.running.question);
+      if (this.isReady) this.restart(message);
     });
     return worker;
   }
@@ -138,7 +132,8 @@ export class Runner {
   ask(pending) {
     this.running = pending;
     this.busySince = performance.now();
-    void this.start().postMessage(pending.question);
+    this.worker ??= this.startWorker();
+    void this.worker.postMessage(pending.question);
   }
 
   /** Forget what is asked for now. */
@@ -209,7 +204,10 @@ export class Runner {
    * @param {RunQuestion} question
    */
   async askProgram({ request, mostSamples }) {
-    const { about, ...columns } = await askBlock("api/run", { ...request, most_samples: mostSamples });
+    const [{ commandLine, pythonLines }, { askBlock }] = await Promise.all(
+      [import("../model/run_code.js"), import("../page/api.js")]);
+    const { about, ...columns } = await askBlock("api/run", { ...request, most_samples: mostSamples })
+      .catch((error) => { throw error.input ?? error; });
     const { options } = about;
     return { ...columns, about: { ...about, python: pythonLines(this.registry, options),
       command: commandLine(this.registry, options) } };

@@ -1,8 +1,8 @@
 /** The menu from which the run on show is stored: numbers, picture, animation, scenario. */
 
 import { columnsTable, contactsTable, tomlOf } from "../model/run_files.js";
-import { el, notify } from "../page/dom.js";
-import { fileOf, JobLine, saveFile } from "../page/jobs.js";
+import { el, notify, saveFile } from "../page/dom.js";
+import { fileOf, JobLine } from "../page/jobs.js";
 import { Runner } from "../player/runner.js";
 import { speedMenu } from "../player/speed.js";
 import { format } from "../page/state.js";
@@ -16,8 +16,11 @@ const FASTEST = 100;
 const MOST_SAMPLES = 200_000;
 
 export class Downloads {
-  /** @param {import("../main.js").Page} page */
-  constructor(page) {
+  /**
+   * @param {import("../page/state.js").Page} page
+   * @param {HTMLDetailsElement} root the drawer of the menu
+   */
+  constructor(page, root) {
     this.page = page;
     this.runner = new Runner(page.registry);
     this.request = { scenario: /** @type {string | null} */ (null), options: {} };
@@ -35,11 +38,10 @@ export class Downloads {
     this.job = new JobLine();
     this.make = el("button", { type: "button", on: { click: () => void this.animate() } },
       t("file_mp4"));
-    this.root = el("details", { class: "card downloads of-run", on: {
-      keydown: (/** @type {KeyboardEvent} */ event) => {
-        if (event.key === "Escape") this.root.open = false;
-      } } },
-      el("summary", {}, t("download")),
+    root.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") root.open = false;
+    });
+    root.append(
       el("ul", {}, ...own.map(({ item }) => item),
         ...(page.registry.server ? this.links.map(({ kind, link }) => entry(kind, link)) : [])),
       ...(page.registry.server ? [this.ofProgram = el("div", {},
@@ -49,7 +51,7 @@ export class Downloads {
   }
 
   /**
-   * Return nothing; the menu is of this run from now on.
+   * Make the menu that of this run.
    * @param {{scenario: string | null, options: Record<string, any>}} request
    * @param {boolean} touching whether balls of the run can touch
    * @param {import("../page/block.js").Block | null} kept what was played by hand, if that is on show: no

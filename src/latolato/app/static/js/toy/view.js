@@ -1,7 +1,8 @@
 /** Toy: the motion, three knobs beside it, a hand that takes it, and everything else one click away. */
 
+import { firstWorker } from "../first_run.js";
 import { codeBlocks } from "../page/code.js";
-import { beforePrint, el, freshId } from "../page/dom.js";
+import { beforePrint, el, freshId, notify } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { followKeys } from "../page/keys.js";
 import { Knobs } from "../page/knobs.js";
@@ -14,17 +15,14 @@ import { sentence, waysOn } from "../page/link_parts.js";
 import { inPagesWords, warningsText } from "../page/refusals.js";
 import { LongRunError, Runner } from "../player/runner.js";
 import { withStart } from "../player/start.js";
-import { FIRST } from "../page/state.js";
+import { FIRST, HELD } from "../page/state.js";
 import { DEGREE } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
-import { Downloads } from "./downloads.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
 
 // Beyond it, a run that is computed is announced.
 const PATIENCE = 700; // ms
-// Where the address says that a hand holds the toy.
-const HELD = "toy.hand";
 // What may change without making another toy of the first one.
 const FREE = ["drive_frequency", "frequency_ratio"];
 // Where the question with which the page opens is answered at length.
@@ -34,9 +32,7 @@ export class ToyView {
   /** @param {Page} page */
   constructor(page) {
     this.page = page;
-    // The worker loads while the rest is made.
-    this.runner = new Runner(page.registry);
-    this.runner.start();
+    this.runner = new Runner(page.registry, firstWorker);
     const form = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
     this.form = new Form(form, page.registry, page.store);
@@ -55,10 +51,16 @@ export class ToyView {
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
       page.store.set({ options: {} }, "preset") } }, t("reset"));
     this.code = el("div", {});
-    this.downloads = new Downloads(page);
     const drawer = (/** @type {string} */ name, /** @type {(Node | string)[]} */ ...content) =>
       el("details", { class: "card" }, el("summary", {}, t(name)), ...content);
     this.more = drawer("moreParameters", form);
+    this.drawer = drawer("download");
+    this.drawer.classList.add("downloads", "of-run");
+    this.drawer.addEventListener("toggle", () => void this.openDownloads());
+    /** Made when its drawer is first opened. @type {import("./downloads.js").Downloads | null} */
+    this.downloads = null;
+    /** Whose files it offers: the run on show. @type {Parameters<import("./downloads.js").Downloads["show"]> | null} */
+    this.offered = null;
     this.lines = drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code);
     this.lines.classList.add("of-run");
     const place = el("div", { class: "player" });
@@ -85,7 +87,7 @@ export class ToyView {
     this.player.clock.subscribe((time) => this.tellHighest(time));
     place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
-        el("div", { class: "drawers" }, this.more, this.downloads.root,
+        el("div", { class: "drawers" }, this.more, this.drawer,
           this.lines))));
     this.root = el("div", { class: "view toy" }, place);
     /** Whether a run has been shown, and whether the clock goes on when the view comes back. */
@@ -133,7 +135,7 @@ export class ToyView {
   hide() {
     this.endKeys();
     for (const release of this.releases.splice(0)) release();
-    this.downloads.stop();
+    this.downloads?.stop();
     this.runner.stop();
     this.hand?.shake.end();
     this.goesOn = this.player.clock.playing;
@@ -309,7 +311,8 @@ export class ToyView {
       this.player.show(motion);
       this.note(warningsText(block.about.warnings));
       this.showCode(block.about);
-      this.downloads.show({ scenario, options }, block.about.balls.length > 1, kept);
+      this.offered = [{ scenario, options }, block.about.balls.length > 1, kept];
+      this.downloads?.show(...this.offered);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
       this.begin();
     } catch (error) {
@@ -386,6 +389,15 @@ export class ToyView {
     const { motion } = this.player;
     const { store } = this.page;
     if (motion) store.set({ options: withStart(store.state.options, motion.about.options, degrees) });
+  }
+
+  /** Make the menu of files when its drawer is first opened. */
+  async openDownloads() {
+    if (this.downloads || !this.drawer.open) return;
+    const module = await import("./downloads.js").catch(() => notify(t("offline")));
+    if (!module || this.downloads) return;
+    this.downloads = new module.Downloads(this.page, this.drawer);
+    if (this.offered) this.downloads.show(...this.offered);
   }
 
   /** @param {any} about */

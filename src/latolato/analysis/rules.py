@@ -1,0 +1,176 @@
+"""Rules that analyses check, each with the one sentence that refuses input.
+
+The pages translate a sentence by the name of its rule, as those of `latolato.core.rules`.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+
+from latolato.core.rules import Rule, broken_rule
+
+_NO_WALLS = (
+    "choose the system Pendulum, which has no walls, with length {length:g}, mass {mass:g}, "
+    "damping {damping:g} and gravity {gravity:g}"
+)
+RULES = {
+    # of the laws
+    "settling_motion": Rule(
+        "must have motion that settles, but that of the linearised Mathieu only grows or decays",
+        "use Pendulum, or mathieu_growth_rate",
+    ),
+    "vertical_drive": Rule(
+        "moves the pivot sideways, which this analysis does not describe: {parameter} must be "
+        "vertical",
+        "use Harmonic, or simulate and sweep",
+    ),
+    "continued_rods": Rule(
+        "must be 'rod' here: each motion continues from an angle and an angular velocity, but a "
+        "slack ball also has a distance and a radial velocity",
+        "sweep starts instead, or give suspension='rod'",
+    ),
+    "drag_of_pivot": Rule(
+        "must be 'pivot' here: this is computed for drag relative to the pivot",
+        "use floquet or a sweep, or give damping=0",
+    ),
+    "unclamped": Rule(
+        "must be exact or none here: a clamped motion depends on its step, so small perturbations "
+        "have no meaning"
+    ),
+    "upright_rod": Rule(
+        "must be 'rod' for a ball that stands upright: a string does not push",
+        "give suspension='rod'",
+    ),
+    "inverted_mathieu": Rule(
+        "a Mathieu system is linearised about hanging and has no inverted position; use ll.Pendulum"
+    ),
+    "linear_friction": Rule(
+        "must be 0",
+        "dry friction holds the ball near the position, whose stability is then no linear "
+        "question: simulate with a push instead",
+    ),
+    "hanging_points": Rule(
+        "must be 0 for balls that hang straight down: others touch before", _NO_WALLS
+    ),
+    "upright_points": Rule(
+        "must be 0 for balls that stand upright: others touch before", _NO_WALLS
+    ),
+    "lossless_balls": Rule(
+        "must be 1",
+        f"balls that lose energy whenever they meet follow no linear equation: {_NO_WALLS}",
+    ),
+    "one_drag_rate": Rule(
+        "the balls must have one drag rate damping/mass, or their meetings mix two motions",
+        _NO_WALLS,
+    ),
+    "walls_of_map": Rule(
+        "an impact map needs walls, and {law} has none; use LatoLato or BallPair, or "
+        "poincare_section"
+    ),
+    "mirror_symmetric": Rule(
+        "must be a LatoLato, whose one-ball model is tested: other systems have no "
+        "mirror-symmetric motion"
+    ),
+    "wall_to_start": Rule(
+        "a {law} has no wall to start from; use a LatoLato or BallPair, or threshold_amplitude "
+        "for growth from hanging"
+    ),
+    "lifting_radius": Rule(
+        "balls without a radius rest straight below the pivot, where nothing lifts them; give a "
+        "radius or use threshold_amplitude"
+    ),
+    "alike_lengths": Rule(
+        "must be 'rod' for balls of so different lengths: where they rest on each other, the upper "
+        "one would have to be held by a push",
+        "make the lengths more alike, or give suspension='rod'",
+    ),
+    "taut_hanging": Rule(
+        "must be smaller for a ball that hangs still on a taut string: at {frequency:g} rad/s the "
+        "pivot falls faster than the ball",
+        "lower it or give suspension='rod'",
+    ),
+    "taut_orbit": Rule(
+        "must be 'rod' for this orbit: a string goes slack {time:.6g} s after time zero, and "
+        "orbits are followed on taut strings only",
+        "shake less, begin at another orbit, or give suspension='rod'",
+    ),
+    "accumulating_impacts": Rule("must lie in [0, 1) for impacts to accumulate"),
+    "drive_of_stages": Rule(
+        "{law} drive has no stages: give a Harmonic one or a FrequencySchedule"
+    ),
+    "smooth_drive": Rule(
+        "the drive's waveform has more than {count} overtones: it is not smooth enough for this "
+        "analysis; a crank must be shorter than its connecting rod by more"
+    ),
+    # of arguments
+    "needed_by_analysis": Rule("{name} needs {parameter}{unit}: give {option}"),
+    "low_to_high": Rule("must go from low to high", "swap them"),
+    "entropy_box": Rule(
+        "must be at most the points of either axis, {points}", "take a smaller box or more points"
+    ),
+    "most_starts": Rule(
+        "{count} starts exceed the limit of {limit}; lower angle_points or velocity_points"
+    ),
+    "finer_tolerance": Rule(
+        "must be below the tolerance of {tolerance:g} rad",
+        "give a smaller one, or none for a tenth",
+    ),
+    "angles_between_walls": Rule(
+        "the angle range must lie between the contact angles [{low:.6g}, {high:.6g}] rad, got "
+        "[{first:.6g}, {last:.6g}]: the balls would overlap"
+    ),
+    "start_above_wall": Rule(
+        "must lie above the low wall {low:.6g} rad and not above the high one {high:.6g} rad",
+        "a ball at rest on the low wall stays there",
+    ),
+    "first_orbit": Rule(
+        "low and high must enclose the {name} of the first orbit, {begun:.9g}, got [{low:g}, "
+        "{high:g}]"
+    ),
+    "two_parameters": Rule("must be two parameters that do not set the same thing"),
+    "end_of_each": Rule("must be a value for each of both parameters"),
+    "touching_balls": Rule("needs balls that can touch", "use LatoLato"),
+    "described_lift_off": Rule(
+        "is not described for air at rest in the room, nor for dry friction of two balls",
+        "compute self_start, or leave that drag out",
+    ),
+    "needs_strings": Rule("needs strings", "give suspension='string'"),
+    "needs_mirror": Rule(
+        "needs a motion that equals its image in a mirror, and this one has none",
+        "try fold or period_doubling",
+    ),
+    "kind_of_curve": Rule("is needed", "give one of {kinds}"),
+    "special_point": Rule(
+        "must be a special point of continue_orbit",
+        "give branch.special[0], and the drive of the branch",
+    ),
+    "start_below_threshold": Rule(
+        "the start must lie below threshold_angle {threshold:g} rad; give a larger one"
+    ),
+    "slowest_orbit": Rule(
+        "must be at least {ratio:g} natural frequencies for an orbit", "raise drive_frequency"
+    ),
+    "slowest_drive": Rule(
+        "must be at least {share:g} of the natural frequency {frequency:g} rad/s"
+    ),
+    "first_guess": Rule(
+        "is needed [rad]: a motion between walls has no natural first guess",
+        "give a start on the attractor, from a run",
+    ),
+    "two_values": Rule("must hold at least 2 values"),
+    "points_of_section": Rule(
+        "the only point would be the start: take more periods or a transient"
+    ),
+    "one_dwell_fewer": Rule(
+        "must be one fewer than the {count} drive_frequencies", "the last stage goes on"
+    ),
+    "alike_trajectories": Rule(
+        "{count} trajectories without noise are all the same: give noise_strength or one"
+    ),
+    # of texts in the form of a page
+    "range_of_values": Rule("must be low : high : count"),
+    "most_values": Rule("may have {limit} values at most"),
+    "true_or_false": Rule("must be true or false"),
+}
+
+broken_analysis = partial(broken_rule, table=RULES)
