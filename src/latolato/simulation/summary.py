@@ -95,7 +95,8 @@ def _word(run: Record | xr.Dataset) -> dict[str, Any]:
 def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
     """Return a sweep's size, points by status, and the least and largest value of each variable.
 
-    The dataset is read chunk by chunk.
+    The dataset is read chunk by chunk. Of contact words the points with each come too, the
+    commonest first.
 
     Examples
     --------
@@ -112,8 +113,10 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
     import numpy as np
 
     from latolato.numerics.records import STATUS_NAMES
+    from latolato.observables import contact_words
 
     counts: Counter[str] = Counter()
+    words: Counter[str] = Counter()
     ranges: dict[str, list[float]] = {}
     for number in range(plan.chunks):
         block = plan.block(number)
@@ -121,7 +124,10 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
             values = grid[name][block].values
             if name == "status":
                 counts.update(values.ravel().tolist())
-            elif np.isfinite(values).any():
+                continue
+            if name == "contact_word":
+                words.update(word for word in contact_words(values).ravel().tolist() if word)
+            if np.isfinite(values).any():
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 old = ranges.get(str(name), [low, high])
                 ranges[str(name)] = [min(low, old[0]), max(high, old[1])]
@@ -138,6 +144,7 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
             for name in grid.data_vars
             if name != "status"
         },
+        **({"contact_words": dict(words.most_common())} if "contact_word" in grid else {}),
         "plan_hash": plan.hash,
     }
 
