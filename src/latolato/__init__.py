@@ -11,6 +11,7 @@ from latolato.core.errors import InputError
 from latolato.observables import (
     BottomContacts,
     CompressionFraction,
+    ContactWord,
     Crossings,
     EnergyLedger,
     FinalAngle,
@@ -28,6 +29,7 @@ from latolato.observables import (
     Rotations,
     SelfStart,
     TopContacts,
+    contact_words,
 )
 from latolato.physics.contacts import ClampContact, ExactContact, PassThrough
 from latolato.physics.drives import (
@@ -104,6 +106,7 @@ __all__ = [
     "Chirp",
     "ClampContact",
     "CompressionFraction",
+    "ContactWord",
     "CrankSlider",
     "Crossings",
     "EnergyLedger",
@@ -141,6 +144,7 @@ __all__ = [
     "cite",
     "collect_trials",
     "compare",
+    "contact_words",
     "equivalent_pendulum",
     "fit_decay",
     "fit_drive",

@@ -80,6 +80,10 @@ KINDS = {
     "response": over(
         "fig02", "drive_frequency", "drive_amplitude", 60.0, observable="response_period"
     ),
+    "words": over(
+        "toy", ("frequency_ratio", 1.0, 5.0), ("drive_amplitude", 0.01, 0.1), 60.0,
+        observable="contact_word",
+    ),
     "no frequency": over(
         "toy", ("frequency_ratio", 0.0, 2.0), ("drive_acceleration_ratio", 0.0, 2.0)
     ),

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.cli.main import app, main
+from latolato.cli.sweep import lines_of
 from latolato.io.progress import SweepProgress
 from latolato.scenario.scenario import Scenario
 from latolato.scenario.variation import parse_axes, tables_of_plan
@@ -152,6 +153,20 @@ def test_a_finished_sweep_prints_counts_ranges_and_files():
     assert "axes             drive_amplitude 3 x frequency_ratio 2\n" in printed
     assert "written          map.zarr, map.png\n" in printed
     assert Path("map.png").read_bytes().startswith(b"\x89PNG")
+
+
+def test_contact_words_are_counted_instead_of_their_numbers():
+    words = "BT", "B", "BB", "T", "R", "S", "BR", "TR", "BTR", "no word"
+    counts = {word: 10 - k for k, word in enumerate(words)}
+    summary = {
+        "system": "latolato", "drive": "harmonic", "duration": 1.0, "axes": {"gravity": 55},
+        "points": 55, "status": {"converged": 55}, "first_invalid": "", "wall_time": 1.0,
+        "ranges": {"contact_word": [0.0, 70.0]}, "contact_words": counts,
+    }  # fmt: skip
+    found = lines_of(summary)["contact_word"]
+    assert found == "10 BT, 9 B, 8 BB, 7 T, 6 R, 5 S, 4 BR, 3 TR, 3 others"
+    few = lines_of({**summary, "contact_words": {"BT": 1, "no word": 2}})
+    assert few["contact_word"] == "1 BT, 2 no word"
 
 
 def test_points_without_an_answer_are_counted_and_warned_of(capsys):

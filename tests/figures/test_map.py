@@ -5,6 +5,7 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
+from matplotlib.colors import to_rgba
 
 import latolato as ll
 from hanging import tongue_edges
@@ -118,6 +119,26 @@ def test_classes_have_a_legend_and_no_colour_bar(grid):
     figure = ll.plot(grid, "motion_class")
     assert len(figure.axes) == 1
     assert legend(figure) == ["none", "weak", "strong"]
+
+
+# Codes of B, BB, BBB, BBBB, T, TT, BT, no contact and no word, and a cell without any.
+WORDS = np.array([[4, 16, 64, 256], [5, 16, 64, 21], [17, 0, 1, math.nan]])
+
+
+def test_the_commonest_words_have_colours_of_their_own_and_the_legend_their_share(grid):
+    words = grid.assign(contact_word=grid.mean_energy.copy(data=WORDS))
+    figure = ll.plot(words, "contact_word")
+    assert legend(figure) == [
+        "no contact (8.3 %)", "B (8.3 %)", "BT (8.3 %)", "no word (8.3 %)", "BB (16.7 %)",
+        "BBB (16.7 %)", "T (8.3 %)", "TT (8.3 %)", "other words (8.3 %)",
+        "no answer (1 without value)",
+    ]  # fmt: skip
+    shown = cells(figure)
+    painted = shown.cmap(shown.norm(shown.get_array()))
+    assert (painted[0, 1] == painted[1, 1]).all()
+    assert (painted[0, 3] == to_rgba(style.FAINT)).all()
+    alone = cells(ll.plot(words.isel(drive_amplitude=[0, 2]), "contact_word"))
+    assert alone.cmap(alone.norm(0.0)) == to_rgba(style.PALE_GREY)
 
 
 def test_one_dimension_gives_a_curve_and_few_curves_are_named(grid):

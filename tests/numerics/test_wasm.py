@@ -429,7 +429,7 @@ def test_maps_agree_from_their_parameters_on(name):
         },
         "duration": 20.0,
         "transient": 2.0,
-        "observables": [*WITHOUT_PERIODS, "response_samples", *further],
+        "observables": [*WITHOUT_PERIODS, "response_samples", "contact_word", *further],
         "initial_angle": angle,
         "tolerance": 1e-8,
         **HOW.get(name, {}),

@@ -15,6 +15,7 @@ import latolato as ll
 from latolato.core.quantities import Quantity
 from latolato.core.scalar import formula
 from latolato.observables import (
+    ContactWord,
     Crossings,
     MotionClass,
     Observable,
@@ -277,6 +278,7 @@ def test_variables_of_two_balls_are_the_same_compiled():
 def test_every_registered_observable_is_held_against_a_dense_run():
     output = set(by_hand("bouncing toy", 0.0)) | set(PoincareSection.variables)
     output |= set(ResponseSamples.variables)  # in tests/analysis/test_periods.py
+    output |= set(ContactWord.variables)  # in test_contact_word.py
     # Those of strings are in tests/numerics/test_strings.py.
     output |= {name for kind in observables.values() if kind.of_strings for name in kind.variables}
     for name, kind in observables.items():

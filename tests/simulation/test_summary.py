@@ -48,3 +48,29 @@ def test_a_sweep_counts_what_tangled():
     grid = run_plan(plan)
     grid.status[...] = [["converged", "outside_model"], ["outside_model", "converged"]]
     assert summarise_sweep(grid, plan)["status"] == {"converged": 2, "outside_model": 2}
+
+
+def test_a_run_has_the_word_of_its_contacts_where_the_drive_repeats_itself():
+    toy = ll.LatoLato(**TOY | {"restitution": 0.5})
+    shake = ll.Harmonic(drive_amplitude=0.1, drive_frequency=12.0)
+    run = ll.simulate(toy, shake, initial_offset=0.2, duration=40.0)
+    grid = ll.sweep(
+        toy, shake, axes={"gravity": [9.8]}, initial_offset=0.2, duration=40.0,
+        observables=["contact_word"],
+    )  # fmt: skip
+    assert told(run)["contact_word"] == ll.contact_words(grid.contact_word).item()
+    assert told(run)["contact_word"].strip("BR") == ""
+    assert "contact_word" not in told(ll.simulate(toy, initial_offset=0.2, duration=1.0))
+    assert told(ll.simulate(toy, shake, initial_offset=0.2, duration=1.0))["contact_word"] is None
+
+
+def test_balls_that_stay_at_rest_have_the_word_of_rest():
+    toy, weak = ll.LatoLato(**TOY), ll.Harmonic(drive_amplitude=0.01, drive_frequency=9.0)
+    at_rest = ll.simulate(toy, weak, initial_offset=0.0, duration=20.0)
+    assert told(at_rest)["contact_word"] == "R"
+    pair = ll.BallPair(right=BALL, left=BALL, restitution=0.5)
+    still = ll.simulate(pair, weak, initial_angle=(0.3, -0.3), duration=60.0)
+    assert told(still)["contact_word"] == ["R", "R"]
+    pendulum = ll.Pendulum(length=1.0, mass=0.8)
+    hanging = ll.simulate(pendulum, weak, initial_angle=0.0, duration=20.0)
+    assert told(hanging)["contact_word"] == "no contact"

@@ -22,6 +22,7 @@ from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.rules import RULES
 from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
+from latolato.figures import word_classes
 from latolato.figures.cells import SCALES
 from latolato.figures.map import CLASSES
 from latolato.observables import observables
@@ -238,11 +239,17 @@ def _observable(law: Any) -> dict[str, Any]:
 
 
 def shown_variable(name: str, quantity: Quantity) -> dict[str, Any]:
-    """Return a variable with its classes, or with the colours that it has in the report, if any."""
+    """Return a variable with its classes, or with the colours that it has in the report, if any.
+
+    Those of contact words are the ones that all maps have; a page finds the others.
+    """
+    is_word = name == "contact_word"
+    words = {"codes": list(word_classes.KNOWN), "further": word_classes.FURTHER}
     scale = next((colours for each, _, colours in SCALES if each == name), None)
     return _quantity(quantity) | {
         "units": units_of(quantity_of(name, quantity.unit)),
-        "classes": list(CLASSES.get(name, {}).items()),
+        "classes": list((word_classes.USUAL if is_word else CLASSES.get(name, {})).items()),
+        "words": words if is_word else None,
         "log": scale is not None,
         "scale": scale or "viridis",
     }

@@ -93,6 +93,10 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         "energy residual": f"{residual:.2g} J of {energy:.3g} J" if known else "unknown",
         "wall time": f"{summary['wall_time']:.2f} s",
     }
+    word = summary.get("contact_word")
+    if contacts and word:
+        words = [word] if isinstance(word, str) else word
+        lines["contact word"] = ", ".join(dict.fromkeys(map(str, words)))
     if "sensitivity_status" in summary:
         lines["derivatives"] = summary["sensitivity_status"]
     return lines

@@ -32,6 +32,8 @@ if TYPE_CHECKING:
     from latolato.sweeps.plan import Plan
 
 STORE_SUFFIX = ".zarr"
+# So many contact words are counted one by one.
+_MOST_WORDS = 8
 Changes = dict[str, dict[str, Any]]
 
 
@@ -288,7 +290,7 @@ def run(
         "wall_time": elapsed_since(begun),
         "files": [str(path) for path in files],
     }
-    print_summary(summary, _lines_of(summary), as_json=as_json)
+    print_summary(summary, lines_of(summary), as_json=as_json)
 
 
 def print_status(store: Path, as_json: bool) -> None:
@@ -393,7 +395,7 @@ def _remove_if_empty(store: Path) -> None:
         shutil.rmtree(store)
 
 
-def _lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
+def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a sweep's summary as names and texts for reading."""
     rate = summary["points"] / max(summary["wall_time"], 1e-9)
     lines = {
@@ -404,6 +406,8 @@ def _lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     }
     for name, (low, high) in summary["ranges"].items():
         lines[name] = "no finite value" if low is None else f"{low:.6g} to {high:.6g}"
+    if summary.get("contact_words"):
+        lines["contact_word"] = _words_text(summary["contact_words"])
     lines["wall time"] = f"{summary['wall_time']:.2f} s ({rate:.3g} points/s, start included)"
     return lines
 
@@ -411,6 +415,13 @@ def _lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
 def _axes_text(axes: Mapping[str, int]) -> str:
     """Return axes as ``drive_amplitude 40 x frequency_ratio 40``."""
     return " x ".join(f"{name} {count}" for name, count in axes.items())
+
+
+def _words_text(counts: Mapping[str, int]) -> str:
+    """Return how many points have each of the commonest words, and all others together."""
+    texts = [f"{count} {word}" for word, count in counts.items()]
+    further = sum(list(counts.values())[_MOST_WORDS:])
+    return ", ".join([*texts[:_MOST_WORDS], *([f"{further} others"] if further else [])])
 
 
 def _counts_text(counts: Mapping[str, int], reason: str) -> str:

@@ -14,7 +14,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
-from latolato.figures import contours, style
+from latolato.figures import contours, style, word_classes
 from latolato.figures import overlays as marks
 from latolato.figures.map_title import in_words, plain_text, title_of
 from latolato.figures.sides import Side, side_of, values_along
@@ -190,10 +190,11 @@ class Drawing:
     """One variable of a sweep or an analysis over one or two dimensions, ready to be drawn.
 
     A cell reaches halfway to its neighbours. Points without an answer are grey and counted in the
-    legend, by status; they never look like a value. Values of both signs have colours that change
-    at zero. The status of an analysis is a result: it outlines cells and colours points. Dimensions
-    of one value are selected where more are left than a picture shows; of an analysis, always
-    beside others.
+    legend, by status; they never look like a value. Contact words are classes, and `numbers` holds
+    their codes; of other variables it holds the values. Values of both signs have colours that
+    change at zero. The status of an analysis is a result: it outlines cells and colours points.
+    Dimensions of one value are selected where more are left than a picture shows; of an analysis,
+    always beside others.
     """
 
     def __init__(
@@ -240,6 +241,9 @@ class Drawing:
             self.values[(self.status < 0) | (self.status >= EVENT_LIMIT)] = np.nan
         if self.classes:
             self.values = np.round(self.values)
+        self.numbers = self.values
+        if self.name == "contact_word":
+            self.classes, self.values = word_classes.classes_of(self.numbers)
         if log and self.classes:
             raise InputError(
                 "has classes, not a scale", parameter=self.name, way_out="leave out log"
@@ -346,7 +350,10 @@ class Drawing:
         """Return legend entries for classes and for cells without a value."""
         entries = []
         for number, (text, colour) in enumerate(self.classes.items()):
-            if self.name != "status" or (self.values == number).any():
+            count = np.count_nonzero(self.values == number)
+            if self.name == "contact_word":
+                text = f"{text} ({100.0 * count / self.values.size:.1f} %)"
+            if self.name != "status" or count:
                 entries.append(style.swatch(colour, text))
         nothing = np.isnan(self.values)
         late, lost = nothing & (self.status < 0), nothing & (self.status >= 0)

@@ -34,10 +34,12 @@ from latolato.observables.strings import (
     RetensionLoss,
     SlackFraction,
 )
+from latolato.observables.word import ContactWord, contact_words
 
 __all__ = [
     "BottomContacts",
     "CompressionFraction",
+    "ContactWord",
     "Crossings",
     "EnergyLedger",
     "FinalAngle",
@@ -62,6 +64,7 @@ __all__ = [
     "SlackFraction",
     "Step",
     "TopContacts",
+    "contact_words",
     "observables",
 ]
 

@@ -16,7 +16,7 @@ from latolato.physics.contacts import BOTTOM, TOP
 # What the values of `periodicity` mean.
 PERIODICITY = ("rest", "periodic", "grazing", "aperiodic")
 # Periods watched for each drive period of the longest response: it must recur twice and more.
-_REPEATS = 3
+REPEATS = 3
 LONGEST = 64
 # What is found, in the order of its slots behind the two parameters.
 _VARIABLES: dict[str, Quantity] = {
@@ -146,21 +146,21 @@ def find_mirror(numbers: Any, at: Samples, frequency: float, period: float) -> t
 
 
 @formula
-def _marks(acc: Any, i: int, n: int) -> int:
-    """Return how many ends of drive periods are marked."""
-    return _REPEATS * int(acc[i]) + 1
+def marks_of(acc: Any, i: int, n: int) -> int:
+    """Return how many ends of drive periods a `Watched` observable marks."""
+    return REPEATS * int(acc[i]) + 1
 
 
 @formula
 def _running(acc: Any, i: int, n: int) -> int:
     """Return the index of the first running number."""
-    return i + (_ANGLES + _PER_MARK * _marks(acc, i, n)) * n
+    return i + (_ANGLES + _PER_MARK * marks_of(acc, i, n)) * n
 
 
 @formula
 def _start(acc: Any, i: int, n: int, angle: float) -> None:
     """Note that there are no samples yet."""
-    for m in range(_ANGLES, _ANGLES + _PER_MARK * _marks(acc, i, n)):
+    for m in range(_ANGLES, _ANGLES + _PER_MARK * marks_of(acc, i, n)):
         acc[i + m * n] = math.nan
     acc[_running(acc, i, n) + _SLOWEST_IMPACT * n] = math.inf
 
@@ -191,7 +191,7 @@ def _contact(
 @formula
 def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocity: float) -> None:
     """Note state and counts; the extremes count from the first mark on."""
-    j, marks = _running(acc, i, n), _marks(acc, i, n)
+    j, marks = _running(acc, i, n), marks_of(acc, i, n)
     if number == 0:
         acc[j + _FASTEST * n] = abs(velocity)
         acc[j + _SLOWEST_IMPACT * n] = math.inf
@@ -208,7 +208,7 @@ def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocit
 @formula
 def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
     """Write period, class, counts per drive period and distances."""
-    watched, j = _marks(acc, i, n) - 1, _running(acc, i, n)
+    watched, j = marks_of(acc, i, n) - 1, _running(acc, i, n)
     first, apart = i + _ANGLES * n, (watched + 1) * n
     last = first + watched * n
     samples = Samples(first, first + apart, n, 1, watched + 1, 1)
@@ -250,15 +250,8 @@ def _finish(acc: Any, i: int, n: int, end: Outcome) -> None:
 
 
 @dataclass(frozen=True, kw_only=True)
-class _Period(Observable):
-    """What both observables of periods share."""
-
-    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
-    start: ClassVar[Any] = staticmethod(_start)
-    step: ClassVar[Any] = staticmethod(_step)
-    contact: ClassVar[Any] = staticmethod(_contact)
-    mark: ClassVar[Any] = staticmethod(_mark)
-    finish: ClassVar[Any] = staticmethod(_finish)
+class Watched(Observable):
+    """Base of observables that watch ``3 longest`` drive periods before the end of a run."""
 
     longest: int = field(default=16, metadata={"description": "longest response period"})
     angle_tolerance: float = quantity_field(
@@ -279,7 +272,19 @@ class _Period(Observable):
     @property
     def marks(self) -> int:
         """How many ends of drive periods are marked: both of each period watched."""
-        return _REPEATS * self.longest + 1
+        return REPEATS * self.longest + 1
+
+
+@dataclass(frozen=True, kw_only=True)
+class _Period(Watched):
+    """What both observables of periods share."""
+
+    needs: ClassVar[frozenset[str]] = frozenset({"turn"})
+    start: ClassVar[Any] = staticmethod(_start)
+    step: ClassVar[Any] = staticmethod(_step)
+    contact: ClassVar[Any] = staticmethod(_contact)
+    mark: ClassVar[Any] = staticmethod(_mark)
+    finish: ClassVar[Any] = staticmethod(_finish)
 
     @property
     def memory(self) -> int:

@@ -27,13 +27,17 @@ _COPIED = (
     "largest_string_impulse",
     "sensitivity_status",
 )
+# Contacts that begin and end a rest.
+_HELD = ("rest", "release")
 
 
 def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
-    """Return a run's largest angle, contacts by kind, energy residual, compression time and status.
+    """Return a run's largest angle, contacts and their word, energy residual and status.
 
     The largest angle and energy are those of the samples and of top contacts of a `LatoLato`; a
-    sweep's `largest_angle` includes turning points between samples. On strings the first time and
+    sweep's `largest_angle` includes turning points between samples. With a periodic drive,
+    `contact_word` is the word of the last 48 drive periods, as `latolato.ContactWord` describes it,
+    or of all of them if there are fewer; None for less than three. On strings the first time and
     the share of time of slackness and the largest impulse take the place of compression. Values are
     as JSON knows them: None for a compression time that never came, lists for two balls.
 
@@ -55,14 +59,44 @@ def summarise(run: Record | xr.Dataset) -> dict[str, Any]:
         "largest_angle": plain(largest),
         "largest_energy": plain(np.nanmax(np.asarray(run["total_energy"]), initial=-np.inf)),
         "contacts": dict(zip(kinds.tolist(), counts.tolist(), strict=True)),
+        **_word(run),
         "samples": len(run["time"]),
     }
+
+
+def _word(run: Record | xr.Dataset) -> dict[str, Any]:
+    """Return the contact word of a run with a periodic drive, a list for two balls."""
+    import numpy as np
+
+    from latolato.observables import contact_words
+    from latolato.observables.word import word_of_run
+    from latolato.physics.contacts import CONTACT_KINDS
+    from latolato.physics.drives import PeriodicDrive, drives
+
+    drive = drives.get(run.attrs["drive"])
+    if drive is None or not issubclass(drive, PeriodicDrive):
+        return {}
+    kinds = [CONTACT_KINDS.index(kind) for kind in np.asarray(run["contact_kind"]).tolist()]
+    held = [CONTACT_KINDS[kind] == "rest" for kind in kinds if CONTACT_KINDS[kind] in _HELD]
+    final, before = np.asarray(run["angular_velocity"]), np.asarray(run["angular_velocity_before"])
+    is_still = bool((final[..., -1] == 0.0).all()) and run.attrs.get("contact", "none") != "none"
+    codes = [
+        word_of_run(
+            np.asarray(run["contact_time"]).tolist(), kinds, velocities.tolist(),
+            drive_period=math.tau / run.attrs["drive_frequency"], duration=run.attrs["duration"],
+            held=held[-1] if held else is_still,
+        )
+        for velocities in np.atleast_2d(before)
+    ]  # fmt: skip
+    words = [word or None for word in contact_words(codes).tolist()]
+    return {"contact_word": words if final.ndim == 2 else words[0]}
 
 
 def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
     """Return a sweep's size, points by status, and the least and largest value of each variable.
 
-    The dataset is read chunk by chunk.
+    The dataset is read chunk by chunk. Of contact words the points with each come too, the
+    commonest first.
 
     Examples
     --------
@@ -79,8 +113,10 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
     import numpy as np
 
     from latolato.numerics.records import STATUS_NAMES
+    from latolato.observables import contact_words
 
     counts: Counter[str] = Counter()
+    words: Counter[str] = Counter()
     ranges: dict[str, list[float]] = {}
     for number in range(plan.chunks):
         block = plan.block(number)
@@ -88,7 +124,10 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
             values = grid[name][block].values
             if name == "status":
                 counts.update(values.ravel().tolist())
-            elif np.isfinite(values).any():
+                continue
+            if name == "contact_word":
+                words.update(word for word in contact_words(values).ravel().tolist() if word)
+            if np.isfinite(values).any():
                 low, high = float(np.nanmin(values)), float(np.nanmax(values))
                 old = ranges.get(str(name), [low, high])
                 ranges[str(name)] = [min(low, old[0]), max(high, old[1])]
@@ -105,6 +144,7 @@ def summarise_sweep(grid: xr.Dataset, plan: Plan) -> dict[str, Any]:
             for name in grid.data_vars
             if name != "status"
         },
+        **({"contact_words": dict(words.most_common())} if "contact_word" in grid else {}),
         "plan_hash": plan.hash,
     }
 

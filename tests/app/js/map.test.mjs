@@ -10,6 +10,7 @@ import { ended, misread, spaced, turned } from "../../../src/latolato/app/static
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
+import { classesOf, wordOf } from "../../../src/latolato/app/static/js/map/words.js";
 import { learnRules } from "../../../src/latolato/app/static/js/model/rules.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
@@ -228,4 +229,22 @@ test("an address with too many levels, or with one that is no number, is refused
   const bad = contoursOn(map, { "map.levels": "1,x" });
   assert.deepEqual(bad.notes, ["a level must be a number in SI units, got nan"]);
   assert.deepEqual(bad.chart.contours, []);
+});
+
+test("the commonest contact words have classes of their own, as in Python", () => {
+  const classes = ["no contact", "R", "B", "BT", "no word", "other words"].map((name) => [name, name]);
+  const variable = { classes, words: { codes: [1, 6, 4, 17, 0], further: ["1", "2", "3", "4"] } };
+  const values = [4, 16, 64, 256, 5, 16, 64, 21, 17, 0, 1, NaN];
+  const of = /** @type {any} */ ({ variables: [variable], values: [values] });
+  const found = classesOf(of, 0);
+  assert.deepEqual(found.classes.map(([name]) => name), ["no contact", "B", "BT", "no word", "BB",
+    "BBB", "T", "TT", "other words"]);
+  assert.deepEqual([1, 0, 16, 5, 256].map(found.place), [0, 3, 4, 6, 8]);
+  const few = classesOf(/** @type {any} */ ({ variables: [variable], values: [[256, NaN]] }), 0);
+  assert.deepEqual(few.classes, [["BBBB", "1"]]);
+  const motion = { classes: [["none", ""], ["weak", ""]] };
+  const plain = classesOf(/** @type {any} */ ({ variables: [motion], values: [[1]] }), 0);
+  assert.deepEqual([plain.classes.length, plain.place(0.9)], [2, 1]);
+  const word = (/** @type {number} */ code) => wordOf(/** @type {any} */ (variable), code);
+  assert.deepEqual([0, 1, 283, 2 ** 53 - 1].map(word), ["no word", "no contact", "BTRS", "S".repeat(26)]);
 });

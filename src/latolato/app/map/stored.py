@@ -149,7 +149,7 @@ def block_of(path: Path, request: Mapping[str, Any]) -> bytes:
             "x_edges": x.edges,
             "y_edges": y.edges,
             "status": drawing.status.astype(np.int32).ravel(),
-            "values": drawing.values.ravel(),
+            "values": drawing.numbers.ravel(),
         },
     )
 

@@ -8,6 +8,7 @@ import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
 import { drawCross, drawLine, drawTrials } from "./marks.js";
+import { classesOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{variable: number, scale: string, log: boolean, limits: [number, number]}} Look */
@@ -160,7 +161,8 @@ export class MapChart {
     const values = grid.values[variable];
     const { status } = grid;
     const table = colourTable(scale);
-    const classes = grid.variables[variable].classes.map(([, text]) => pixelOf(text));
+    const { classes, place } = classesOf(grid, variable);
+    const paints = classes.map(([, text]) => pixelOf(text));
     const [notYet, none, zero] = ["tint", "faint", "paper"].map((name) => pixelOf(colour(name, this.canvas)));
     const [low, high] = log ? limits.map((v) => Math.log(Math.max(v, 1e-300))) : limits;
     const factor = 255 / (high - low || 1);
@@ -170,7 +172,7 @@ export class MapChart {
       if (status[i] === NOT_YET) pixels[i] = notYet;
       else if (Number.isNaN(value)) pixels[i] = none;
       else if (log && value <= 0) pixels[i] = zero;
-      else if (classes.length) pixels[i] = classes[Math.round(value)] ?? none;
+      else if (paints.length) pixels[i] = paints[place(value)] ?? none;
       else {
         const place = ((log ? Math.log(value) : value) - low) * factor;
         pixels[i] = table[place > 0 ? Math.min(255, Math.round(place)) : 0];

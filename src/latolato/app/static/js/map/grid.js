@@ -30,7 +30,8 @@ import { before } from "../player/motion.js";
  *   suggested?: [number, number]}} Axis */
 /** @typedef {{name: string, ball: string | null, label: string, symbol: string, unit: string,
  *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
- *   scale?: string}} Variable `log` and `scale` are the usual colours */
+ *   scale?: string, words: import("./words.js").Words}} Variable `log` and `scale` are the usual
+ *   colours */
 
 /** The status of a cell whose point is not computed. */
 export const NOT_YET = 255;

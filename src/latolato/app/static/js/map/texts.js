@@ -4,6 +4,7 @@ import { el } from "../page/dom.js";
 import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { sizeOf } from "./axes.js";
+import { classesOf, wordOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
@@ -46,6 +47,7 @@ export function cellText(grid, cell, k) {
   const { value, why, status, exact } = grid.read(cell, k);
   let words = withUnit(variable, value);
   if (why) words = t(why === "noAnswer" ? "mapNone" : why, { status });
+  else if (variable.words) words = wordOf(variable, value);
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
   const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
   return [withName(grid.xAxis, grid.x[column]), withName(grid.yAxis, grid.y[line]),
@@ -70,7 +72,7 @@ export function legend(grid, { variable: k, log }, lines, trials, contours) {
   const bad = grid.withoutAnswer();
   const zeros = log ? grid.values[k].filter((value) => value <= 0).length : 0;
   return [
-    ...grid.variables[k].classes.map(([text, paint]) => entry(text, paint)),
+    ...classesOf(grid, k).classes.map(([text, paint]) => entry(text, paint)),
     ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
     ...(zeros ? [entry(t("mapZero", { count: zeros }), "var(--paper)")] : []),
     ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),

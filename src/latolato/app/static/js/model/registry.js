@@ -30,10 +30,10 @@
  *   suggested: [number, number] | null}} Varied
  *
  * An observable. A variable whose values are classes names them, each with its colour; others have
- * the colours of the reproduction report, logarithmic or not.
+ * the colours of the reproduction report, logarithmic or not. Contact words have `words`.
  * @typedef {{title: string, description: string, variables: Record<string, {unit: string, symbol: string,
  *   label: string, units: {name: string, size: number}[], classes: [string, string][], log: boolean,
- *   scale: string}>}} Observable
+ *   scale: string, words: import("../map/words.js").Words}>}} Observable
  *
  * @typedef {{title: string, question: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any}} Preset
