@@ -74,7 +74,7 @@ def test_a_bouncing_ball_begins_and_doubles_as_on_a_flat_wall(kind):
         initial_angular_velocity=speed * (1.0 if kind == "fold" else 0.9),
     )  # fmt: skip
     assert list(curve.end_reason.values) == ["end of range"] * 2
-    assert set(curve.contacts.values) == {"B"}
+    assert set(curve.word.values) == {"B"}
     expected = [known(e) for e in curve.restitution.values]
     # What the wall's bend leaves at this ratio.
     np.testing.assert_allclose(curve.drive_acceleration_ratio.values, expected, atol=5e-7)
@@ -127,7 +127,7 @@ def bouncing_graze():
 def test_a_bounce_grazes_the_wall_again_on_one_side_of_its_curve():
     graze = bouncing_graze()
     assert list(graze.end_reason.values) == ["end of range"] * 2
-    assert set(graze.contacts.values) == {"B"}
+    assert set(graze.word.values) == {"B"}
     for i in range(3, graze.sizes["point"], 9):
         point = graze.isel(point=i)
         clearances = []
@@ -154,7 +154,7 @@ def test_a_ball_at_rest_lifts_off_where_the_pivot_falls_as_fast_as_it():
     )  # fmt: skip
     lifted = curve.drive_amplitude * (curve.frequency_ratio * TOY.natural_frequency) ** 2
     np.testing.assert_allclose(lifted.values, 9.8, rtol=1e-10)
-    assert set(curve.contacts.values) == {"R"}
+    assert set(curve.word.values) == {"R"}
 
 
 def test_dry_friction_holds_a_ball_longer():

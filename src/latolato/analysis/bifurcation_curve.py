@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -27,6 +28,7 @@ from latolato.analysis.special_point import SpecialPoint
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
+from latolato.observables.word import LETTERS
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -41,7 +43,7 @@ Kind = Literal["fold", "period_doubling", "symmetry_breaking", "grazing", "lift_
 KINDS: tuple[Kind, ...] = get_args(Kind)
 QUANTITIES = {
     "is_edge": Quantity("1", "", "whether stable motions end there"),
-    "contacts": Quantity("1", "", "kinds of the contacts in one period"),
+    "word": Quantity("1", "", "contact word"),
     "special_kind": Quantity("1", "", "what happens to the curve"),
     "end_reason": Quantity("1", "", "why the curve ends"),
 }
@@ -110,10 +112,10 @@ def bifurcation_curve(
     xarray.Dataset
         Over ``point`` along the curve: both parameters, ``initial_angle`` and
         ``initial_angular_velocity`` of the motion at time zero, ``largest_angle``,
-        ``multipliers`` of the map that closes it, ``impacts`` and ``contacts`` (a word of letters:
-        B bottom and T top impact, R rest, S slack; of a graze without the touch itself), and
-        ``is_edge``: whether all multipliers but the critical one are inside the unit circle, so
-        that a stable motion ends there. Over ``special`` the points of codimension two, again with
+        ``multipliers`` of the map that closes it, ``impacts``, ``word`` (as of `ContactWord`; that
+        of a graze is without the touch itself), and ``is_edge``: whether all multipliers but the
+        critical one are inside the unit circle, so that a stable motion ends there.
+        Over ``special`` the points of codimension two, again with
         both parameters: ``special_kind`` is ``cusp``, ``resonance_1_1``, ``resonance_1_2``,
         ``fold_flip`` (a fold meets a period doubling), ``meets_fold`` and ``meets_flip`` (the
         touching motion has a multiplier of one or minus one) or ``degenerate`` (a touch that does
@@ -375,7 +377,7 @@ def _variables(
         "largest_angle": ("point", np.array([s.passage.largest_angle for s in solutions])),
         "multipliers": (("point", "multiplier"), multipliers.reshape(-1, size)),
         "impacts": ("point", np.array([s.passage.impacts for s in solutions], dtype=int)),
-        "contacts": ("point", np.array([_word(s, condition) for s in solutions], dtype="U64")),
+        "word": ("point", np.array([_word(s, condition) for s in solutions], dtype="U64")),
         "is_edge": ("point", np.array(is_edge, dtype=np.int8)),
         **{f"special_{name}": ("special", along(i, located)) for i, name in enumerate(plane.names)},
         "special_kind": ("special", np.array([each.kind for each in specials], dtype="U20")),
@@ -390,11 +392,15 @@ def _quantities(plane: Plane) -> dict[str, Quantity]:
 
 
 def _word(solution: Solution, condition: Condition) -> str:
-    """Return the first letters of the contacts of a motion, in their order."""
+    """Return the contact word of a motion, as `latolato.contact_words` writes it."""
     if isinstance(condition, Touch) and condition.kind == "lift_off":
         return "R"  # whatever rounding makes of a force of zero
     names = [CONTACT_KINDS[int(kind)] for kind in solution.passage.contact_kinds]
-    return "".join(name[0].upper() for name in names if name not in ("release", "taut"))
+    letters = "".join(name[0].upper() for name in names if name not in ("release", "taut"))
+    turned = [letters[i:] + letters[:i] for i in range(len(letters))] or ["no contact"]
+    # Impacts that end at rest are written once.
+    words = [re.sub(r"B+(?=R)|T+(?=R)", lambda found: found[0][0], word) for word in turned]
+    return min(words, key=lambda word: [LETTERS.find(letter) for letter in word])
 
 
 def _at_time_zero(solution: Solution, condition: Condition) -> Floats:
