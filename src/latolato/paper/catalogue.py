@@ -22,7 +22,7 @@ from latolato.paper.claim import Evidence, read_statements
 from latolato.paper.finding import Finding
 
 _MODULE = re.compile(r"fig\d\d\w*|text_\w+")
-_RESULT = re.compile(r"strings_\w+")
+_RESULT = re.compile(r"(strings|curves)_\w+")
 
 
 def evidence(paper: ModuleType = latolato.paper) -> dict[str, Evidence]:

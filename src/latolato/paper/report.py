@@ -107,8 +107,8 @@ def reproduce(
     -----
     Written are ``index.html`` (self-contained: it shows without a network and without the other
     files), for each figure ``figNN.png``, ``figNN.svg`` and ``figNN.nc``, the same for each result
-    on strings (``strings_*``), and a ``text_*.nc`` for each set of runs behind claims without a
-    figure. An interrupted call leaves an earlier report
+    beyond the paper (``strings_*``, ``curves_*``), and a ``text_*.nc`` for each set of runs behind
+    claims without a figure. An interrupted call leaves an earlier report
     as it was. Figures that go through a synthetic video are left out without the extra `video`,
     which the page and the result say.
     """

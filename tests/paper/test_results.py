@@ -1,4 +1,4 @@
-"""The results on balls on strings: what they say holds for their quick data too."""
+"""The results beyond the paper: what they say holds for their quick data too."""
 
 import numpy as np
 import pytest
@@ -20,7 +20,8 @@ def numbers(name):
 
 
 def test_results_are_apart_from_the_papers_figures():
-    assert {"strings_map", "strings_start", "strings_top", "strings_sideways"} <= set(RESULTS)
+    strings = {"strings_map", "strings_start", "strings_top", "strings_sideways"}
+    assert strings | {"curves_fig11"} <= set(RESULTS)
     assert not set(RESULTS) & set(catalogue.evidence())
 
 
@@ -95,3 +96,18 @@ def test_the_mirror_motion_leans_in_proportion_to_the_motion_sideways():
 def test_one_engine_is_for_undamped_rods_only():
     with pytest.raises(ValueError, match="only without damping"):
         on_one_engine(LatoLato(length=1.0, mass=1.0, radius=0.1, damping=0.1))
+
+
+def test_the_left_side_of_fig11_is_a_basin_and_its_right_side_nothing():
+    found = numbers("curves_fig11")
+    # The fold that docs/theory/stability.md names, at 20 and 30 mm.
+    assert found["fold_1"] == pytest.approx(1.588, abs=5e-4)
+    assert found["fold_3"] == pytest.approx(1.328, abs=5e-4)
+    assert found["steps"] < 1.0
+    assert found["below"] == 0.0
+    assert found["specials"] == 0.0
+    edges = [found[f"edge_{i}"] for i in range(4)]
+    assert edges == sorted(edges, reverse=True)
+    # Far to the right of the folds, near the twin.
+    assert min(np.subtract(edges, [found[f"fold_{i}"] for i in range(4)])) > 0.5
+    assert 0.0 < found["least"] < found["most"] < 0.25
