@@ -14,9 +14,9 @@ DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=15.0)
 
 
 def sequences(name):
-    """Return the parameters of an analysis that take several values."""
+    """Return the parameters of an analysis that take several values, not several names."""
     parameters = inspect.signature(analyses[name]).parameters
-    return [n for n, p in parameters.items() if str(p.annotation).startswith("Sequence[")]
+    return [n for n, p in parameters.items() if str(p.annotation).startswith("Sequence[float")]
 
 
 @pytest.mark.parametrize("name", sorted(analyses))

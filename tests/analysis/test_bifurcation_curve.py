@@ -209,8 +209,6 @@ def test_a_special_point_of_a_branch_is_where_a_curve_begins():
     assert apart[i] < 1e-3
     with pytest.raises(InputError, match=r"must be a special point of continue_orbit"):
         bifurcation_curve(PENDULUM, drive, at=branch, low=(0.0, 1.7), high=(0.2, 2.3))
-    with pytest.raises(InputError, match="kind is needed"):
-        bifurcation_curve(PENDULUM, drive, low=(0.0, 1.7), high=(0.2, 2.3))
 
 
 def test_no_bifurcation_near_a_start_is_said():

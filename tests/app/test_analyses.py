@@ -59,6 +59,8 @@ CLOSED = {"scenario": "fig02", "analysis": "tongue_edges", "settings": {"order":
 def small(name):
     """Return small sizes for an analysis."""
     fields = forms()[name]["options"]
+    if name == "bifurcation_curve":
+        return {"kind": "period_doubling", "low": "0, 1.9", "high": "0.1, 2.1", "points": "5"}
     return {
         n: v
         for n, v in SMALL.items()
@@ -473,7 +475,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7"
               "&analyse.ask=1")  # fmt: skip
     alert = page.get_by_role("alert").filter(
-        has_text="“Angle tolerance” must lie in (0, 1] rad, got 7"
+        has_text="“Angle tolerance” must be above 0° and at most 57.2958°, got 401.07"
     )
     alert.wait_for(timeout=240_000)
     field = page.get_by_role("textbox", name="Angle tolerance")

@@ -60,7 +60,7 @@ def bifurcation_curve(
     system: System,
     drive: Drive | None = None,
     *,
-    kind: Kind | None = None,
+    kind: Kind = "fold",
     parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
     low: Sequence[float],
     high: Sequence[float],
@@ -84,7 +84,8 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        By default that of `at`. ``fold``: two motions meet and vanish, a multiplier is one.
+        That of `at`, if it is one of these, goes before. ``fold``: two motions meet and vanish, a
+        multiplier is one.
         ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
         its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
         one, or its image, without speed. ``lift_off``: the force between balls at rest on each
@@ -93,11 +94,10 @@ def bifurcation_curve(
         What is varied: parameters of system or drive, ``frequency_ratio``, ``amplitude_ratio`` or
         ``drive_acceleration_ratio``.
     low, high : pair of float
-        The lowest and highest value of each, in its SI unit; the curve ends there.
+        The lowest and highest value of each parameter [SI]; the curve ends there.
     at : xarray.DataArray, optional
         A special point of `continue_orbit` of the same system and drive, as ``branch.special[0]``:
-        it brings its parameter's value, the motion and its period, and, if it is of one of the
-        kinds, ``kind``.
+        it brings its parameter's value, the motion, its period and its kind.
     initial_angle, initial_angular_velocity, period
         Guess of the motion without `at`, as of `floquet`.
     points : int
@@ -158,9 +158,7 @@ def bifurcation_curve(
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
-        kind = kind or next((each for each in KINDS if each == special.kind), None)
-    if kind is None:
-        raise broken_analysis("kind_of_curve", {"kinds": ", ".join(KINDS)}, parameter="kind")
+        kind = next((each for each in KINDS if each == special.kind), kind)
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)

@@ -139,7 +139,6 @@ RULES = {
         "needs a motion that equals its image in a mirror, and this one has none",
         "try fold or period_doubling",
     ),
-    "kind_of_curve": Rule("is needed", "give one of {kinds}"),
     "special_point": Rule(
         "must be a special point of continue_orbit",
         "give branch.special[0], and the drive of the branch",

@@ -230,9 +230,6 @@ def function_parameters(
         marks: dict[type, Any] = {type(mark): mark for mark in getattr(hint, "__metadata__", ())}
         if get_origin(hint) is Annotated:
             hint = get_args(hint)[0]
-        given = [part for part in get_args(hint) if part is not type(None)]
-        if len(given) == 1 and get_origin(given[0]) is Literal:
-            hint = given[0]  # of words, or none of them
         choices = get_args(hint) if get_origin(hint) is Literal else ()
         is_needed = parameter.default is parameter.empty
         single, several = (str, None) if choices else _kinds(hint)

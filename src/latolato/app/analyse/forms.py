@@ -155,12 +155,12 @@ def first_texts(scenario: Scenario) -> dict[str, dict[str, str]]:
     """Return the texts with which the form of each analysis begins, by option."""
     from latolato.analysis import analyses
 
+    ratios, amplitudes = _ratios_of(scenario, _WIDER), _amplitudes_of(scenario)
     ranges = {
-        name: f"{low:.3g} : {high:.3g}"
-        for name, (low, high) in (
-            ("ratios", _ratios_of(scenario, _WIDER)),
-            ("amplitudes", _amplitudes_of(scenario)),
-        )
+        "ratios": "{:.3g} : {:.3g}".format(*ratios),
+        "amplitudes": "{:.3g} : {:.3g}".format(*amplitudes),
+        "corner_low": f"0, {ratios[0]:.3g}",
+        "corner_high": f"{amplitudes[1]:.3g}, {ratios[1]:.3g}",
     }
     known = parameters_of(scenario)
     result = {}

@@ -25,8 +25,8 @@ READING = (
 FIRST = {
     "kind": "fold",
     "parameters": "drive_amplitude, frequency_ratio",
-    "low": "",
-    "high": "",
+    "low": "{corner_low}",
+    "high": "{corner_high}",
     "period": "",
     "points": "100",
 }
