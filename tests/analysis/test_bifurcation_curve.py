@@ -55,6 +55,37 @@ def test_the_order_of_the_parameters_does_not_matter():
         np.testing.assert_allclose(*ratios, atol=2e-3)
 
 
+@pytest.mark.parametrize(
+    "names",
+    [("drive_acceleration_ratio", "frequency_ratio"), ("amplitude_ratio", "frequency_ratio")],
+)
+@pytest.mark.parametrize("turned", [False, True])
+def test_ratios_of_both_parameters_are_set_in_the_order_in_which_they_depend(names, turned):
+    low, high = {"frequency_ratio": 1.7}, {"frequency_ratio": 2.3}
+    low[names[0]], high[names[0]] = 0.0, 0.8
+    names = names[::-1] if turned else names
+    curve = hanging_tongue(
+        parameters=names, low=[low[n] for n in names], high=[high[n] for n in names], points=20
+    )
+    for i in range(0, 20, 4):
+        ratio = float(curve.frequency_ratio[i])
+        lifted = float(curve[names[turned]][i])
+        amplitude = lifted / ratio**2 if "drive_acceleration_ratio" in names else lifted
+        edges = tongue_edges(drive_amplitude=amplitude, length=1.0, mass=0.8, damping=0.05)
+        assert min(abs(ratio - edge) for edge in edges) < 1e-8
+
+
+def test_a_curve_that_begins_beyond_the_box_begins_at_its_border():
+    # The doubling nearest to the start lies at a larger amplitude than the box allows.
+    curve = bifurcation_curve(
+        PENDULUM, shake(1.905, 0.05), kind="period_doubling", low=(0.0, 1.7), high=(0.05, 2.3)
+    )
+    assert curve.drive_amplitude.values.max() == pytest.approx(0.05, abs=1e-9)
+    assert curve.drive_amplitude.values.max() <= 0.05 + 1e-12
+    assert list(curve.end_reason.values) == ["end of range"] * 2
+    assert curve.sizes["point"] > 20
+
+
 @pytest.mark.parametrize("kind", ["fold", "period_doubling"])
 def test_a_bouncing_ball_begins_and_doubles_as_on_a_flat_wall(kind):
     # One bounce a period, no drag, a fast drive: pi (1 - e)/(1 + e), and its flip, of g.
@@ -211,6 +242,74 @@ def test_a_special_point_of_a_branch_is_where_a_curve_begins():
         bifurcation_curve(PENDULUM, drive, at=branch, low=(0.0, 1.7), high=(0.2, 2.3))
 
 
+def test_two_equal_balls_double_their_period_as_their_mirror_image_does(tmp_path):
+    ball = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+    pair = ll.BallPair(right=ball, left=ball, restitution=0.85)
+    box = {"low": (0.02, 4.0), "high": (0.04, 6.0), "points": 12}
+    drive = shake(4.73, 0.03, TOY)
+    branch = ll.analysis.continue_orbit(
+        pair, drive, low=4.5, high=5.0, initial_angle=(0.0849, -0.0849),
+        initial_angular_velocity=(0.658, -0.658),
+    )  # fmt: skip
+    ll.save(branch, tmp_path / "branch.nc")
+    special = ll.load(tmp_path / "branch.nc").special[0]
+    two = bifurcation_curve(pair, drive, at=special, **box)
+    one = bifurcation_curve(
+        TOY, drive, kind="period_doubling", initial_angle=0.0849, initial_angular_velocity=0.658,
+        **box,
+    )  # fmt: skip
+    assert two.attrs["bifurcation"] == "period_doubling"
+    order = np.argsort(one.drive_amplitude.values)
+    x, y = one.drive_amplitude.values[order], one.frequency_ratio.values[order]
+    inside = (two.drive_amplitude.values > x[0]) & (two.drive_amplitude.values < x[-1])
+    assert inside.sum() > 3
+    near = np.interp(two.drive_amplitude.values[inside], x, y)
+    # Chords of a curve that bends between points.
+    np.testing.assert_allclose(two.frequency_ratio.values[inside], near, atol=3e-3)
+    angles = two.initial_angle.values
+    np.testing.assert_allclose(angles[:, 0], -angles[:, 1], atol=1e-8)
+
+
+def test_undamped_motions_are_neutral_on_both_sides_of_a_tongue():
+    free = ll.Pendulum(length=1.0, mass=0.8)
+    curve = bifurcation_curve(
+        free, shake(1.9, 0.05), kind="period_doubling", low=(0.01, 1.7), high=(0.2, 1.99), points=40
+    )
+    assert curve.is_edge.values.all()
+
+
+def test_a_second_doubling_is_told_with_its_period():
+    drive = shake(2.2, 0.03, TOY)
+    bounce = ll.analysis.continue_orbit(
+        TOY, drive, low=0.5, high=6.0, initial_angle=0.3177, initial_angular_velocity=5.398
+    )
+    twice = ll.analysis.continue_orbit(
+        TOY, drive, low=0.5, high=6.0, at=bounce.special[0], points=60
+    )
+    assert twice.attrs["period"] == 2
+    curve = bifurcation_curve(
+        TOY, drive, at=twice.special[0], low=(0.02, 4.5), high=(0.04, 6.0), points=10
+    )
+    assert curve.attrs["period"] == 2
+    i = curve.sizes["point"] // 2
+    orbit = ll.analysis.floquet(
+        TOY, shake(float(curve.frequency_ratio[i]), float(curve.drive_amplitude[i]), TOY),
+        period=curve.attrs["period"], initial_angle=float(curve.initial_angle[i]),
+        initial_angular_velocity=float(curve.initial_angular_velocity[i]),
+    )  # fmt: skip
+    assert np.min(np.abs(orbit.multipliers.values + 1.0)) < 1e-6
+
+
+def test_a_point_that_no_curve_follows_is_refused():
+    branch = ll.analysis.continue_orbit(
+        TOY, shake(2.7, 0.03, TOY), low=2.5, high=3.0, initial_offset=0.0, points=30
+    )
+    assert list(branch.special_kind.values) == ["lift_off"]
+    other = branch.special[0].assign_coords(special_kind="rest_ends")
+    with pytest.raises(InputError, match="is of the kind rest_ends, which no curve follows"):
+        bifurcation_curve(TOY, shake(2.7, 0.03, TOY), at=other, low=(0.0, 1.0), high=(0.1, 6.0))
+
+
 def test_no_bifurcation_near_a_start_is_said():
     with pytest.warns(RuntimeWarning, match="no fold of a motion of 1 drive periods was found"):
         curve = bifurcation_curve(
@@ -250,7 +349,9 @@ def test_a_curve_can_be_stopped_and_keeps_what_it_has():
         ({"parameters": ("drive_amplitude",)}, "must be two parameters"),
         ({"parameters": ("frequency_ratio", "drive_frequency")}, "must be two parameters"),
         ({"parameters": ("drive_amplitud", "frequency_ratio")}, "did you mean"),
+        ({"parameters": None}, "must be two parameters"),
         ({"low": (0.06, 1.7)}, "must enclose the drive_amplitude"),
+        ({"low": (0.3, 1.7)}, "must go from low to high"),
         ({"low": (0.0,)}, "must be a value for each of both"),
         ({"kind": "grazing"}, "needs balls that can touch"),
         ({"kind": "slack_onset"}, "needs strings"),

@@ -249,7 +249,7 @@ def curve_of(x, y, edges, kind="fold", specials=()):
             "special_kind": ("special", np.array([s[0] for s in specials], dtype="U20")),
             "status": "complete" if count else "not found",
         },
-        settings={"bifurcation": kind, "parameters": ["drive_amplitude", "frequency_ratio"]},
+        settings={"bifurcation": kind, "parameters": list(names), "contact": "exact"},
         quantities=known,
     )
 
@@ -278,5 +278,9 @@ def test_a_curve_is_drawn_over_a_map_in_the_units_of_its_axes():
     other = curve.assign_attrs(restitution=0.5)
     with pytest.raises(ll.InputError, match=r"its restitution is 0\.5, that of the map 0\.9"):
         ll.plot(grid, overlays=[other])
-    with pytest.raises(ll.InputError, match="must be 'tongue', 'lift_off' or a result"):
-        ll.plot(grid, overlays=[grid])
+    crank = curve.assign_attrs(drive="crank_slider", connecting_rod_length=1.0)
+    with pytest.raises(ll.InputError, match="is of another system than the map"):
+        ll.plot(grid, overlays=[crank])
+    for wrong in (grid, 3):
+        with pytest.raises(ll.InputError, match="must be 'tongue', 'lift_off' or a result"):
+            ll.plot(grid, overlays=[wrong])

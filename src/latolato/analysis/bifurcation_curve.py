@@ -11,7 +11,15 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 import numpy as np
 
 from latolato.analysis.checks import check_vertical
-from latolato.analysis.conditions import Condition, Multiplier, Plane, Solution, Touch, closing_maps
+from latolato.analysis.conditions import (
+    NEARLY,
+    Condition,
+    Multiplier,
+    Plane,
+    Solution,
+    Touch,
+    closing_maps,
+)
 from latolato.analysis.curve import Curve, Place, Special
 from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
 from latolato.analysis.orbits import (
@@ -47,6 +55,8 @@ QUANTITIES = {
     "special_kind": Quantity("1", "", "what happens to the curve"),
     "end_reason": Quantity("1", "", "why the curve ends"),
 }
+# Moduli below this are no growth: without any damping all are one, to the root of rounding.
+_NEUTRAL = 1.0 + 1e-5
 # Samples of a motion in which the instant of a touch is looked for.
 _SAMPLES = 2000
 # Where closed motions are looked for beside a guess, as shares of the parameters' ranges, and how
@@ -84,7 +94,7 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        That of `at`, if it is one of these, goes before. ``fold``: two motions meet and vanish, a
+        What is followed, without `at`. ``fold``: two motions meet and vanish, a
         multiplier is one.
         ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
         its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
@@ -158,7 +168,10 @@ def bifurcation_curve(
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
-        kind = next((each for each in KINDS if each == special.kind), kind)
+        found = "slack_onset" if special.kind == "slackens" else special.kind
+        if found not in KINDS:
+            raise broken_analysis("kind_of_point", {"kind": special.kind}, parameter="at")
+        kind = next(each for each in KINDS if each == found)
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)
@@ -166,13 +179,13 @@ def bifurcation_curve(
     condition, unknowns = _begun(plane, kind, guess, period)
     curve = Curve(condition)
     first = None if unknowns is None else curve.begin(unknowns)
-    places = [] if first is None else [first]
+    places: list[Place] = []
     specials: list[Special] = []
     ends = ["", ""]
     status = "not found" if first is None else "singular" if curve.is_singular(first) else ""
     if first is not None and not status:
         places, specials, ends = _both_ways(curve, first, points, progress)
-        status = {"closed": "closed", "interrupted": "interrupted"}.get(ends[1], "complete")
+        status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
         words = kind.replace("_", " ")
         pairs = zip(plane.names, plane.values, strict=True)
@@ -189,18 +202,20 @@ def bifurcation_curve(
         system=system,
         drive=flow.drive,
         quantities=QUANTITIES | _quantities(plane),
-        settings={"bifurcation": kind},
+        settings={"bifurcation": kind, "period": period},
     )
 
 
 def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
     """Return two parameters with their limits."""
-    names = (names,) if isinstance(names, str) else tuple(names)
+    names = tuple(names) if isinstance(names, (list, tuple)) else (names,)
+    if not all(isinstance(name, str) for name in names):
+        raise broken_analysis("two_parameters", parameter="parameters", value=list(names))
     if len(names) != 2 or TARGETS.get(names[0], names[0]) == TARGETS.get(names[1], names[1]):
         raise broken_analysis("two_parameters", parameter="parameters", value=list(names))
     limits = []
     for word, ends in (("low", low), ("high", high)):
-        if np.shape(ends) != (2,):
+        if not hasattr(ends, "__len__") or len(ends) != 2:
             raise broken_analysis("end_of_each", parameter=word, value=ends)
         numbers = []
         for name, end in zip(names, ends, strict=True):
@@ -211,7 +226,9 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
         limits.append(np.array(numbers))
     plane = Plane(flow, names, *limits)
     for name, value, least, most in zip(names, plane.values, *limits, strict=True):
-        if not (least < most and least <= value <= most):
+        if not least < most:
+            raise broken_analysis("low_to_high", parameter=f"range of {name}")
+        if not least <= value <= most:
             raise broken_analysis(
                 "first_orbit", {"name": name, "begun": value, "low": least, "high": most}
             )
@@ -222,8 +239,7 @@ def _check_kind(flow: Flow, kind: str) -> None:
     """Raise InputError for a kind that a system cannot have."""
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
         raise broken_analysis("touching_balls", parameter="kind", value=kind)
-    drags = [ball.coulomb_damping for ball in flow.system.balls] if flow.size == 4 else [0.0]
-    if kind == "lift_off" and (flow.system.drag_frame == "lab" or any(drags)):
+    if kind == "lift_off" and (flow.system.drag_frame == "lab" or flow.size == 4):
         raise broken_analysis("described_lift_off", parameter="kind", value=kind)
     if kind == "slack_onset" and not flow.is_string:
         raise broken_analysis("needs_strings", parameter="kind", value=kind)
@@ -267,7 +283,7 @@ def _closed_near(
 def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, int]:
     """Return mirror and drive periods of the map whose multiplier is nearest to critical."""
     unit = np.eye(flow.size)
-    maps = closing_maps(flow, start, period) or [(unit, period)]
+    maps = closing_maps(flow, start, period, NEARLY) or [(unit, period)]
     if kind != "fold":
         maps = [m for m in maps if np.array_equal(m[0], unit) == (kind == "period_doubling")]
     if not maps:
@@ -313,7 +329,9 @@ def _touch_of(
         )
         far = np.where(nearest, np.abs(clearances) + 0.5 * speed**2, math.inf)
         wall, at = _least(far)
-    condition = Touch(plane, kind, period, wall=wall, ball=ball)
+    unit = np.eye(flow.size)
+    same = [n for m, n in closing_maps(flow, start, period, NEARLY) if np.array_equal(m, unit)]
+    condition = Touch(plane, kind, min(same, default=period), wall=wall, ball=ball)
     state = np.array([angles[:, at], speeds[:, at]]).T.ravel()
     turn = flow.drive.drive_frequency * float(times[at])
     return condition, condition.begin(state, turn, values)
@@ -341,7 +359,10 @@ def _both_ways(
     after, specials, reason = curve.follow(first, 1.0, points // 2, is_seen)
     if reason in ("closed", "interrupted"):
         return [first, *after], specials, [reason, reason]
-    before, others, other = curve.follow(first, -1.0, points - 1 - len(after), is_seen)
+    goal = after[-1] if after and reason == "points" else None
+    before, others, other = curve.follow(first, -1.0, points - 1 - len(after), is_seen, goal)
+    if other == "closed":
+        return [*before[::-1], first, *after], [*others[::-1], *specials], [other, other]
     left = points - 1 - len(after) - len(before)
     if reason == "points" and left > 0 and after and other != "interrupted":
         more, found, reason = curve.follow(after[-1], 1.0, left, is_seen)
@@ -360,7 +381,7 @@ def _variables(
     located = [special.place.solution for special in specials]
     starts = np.array([_at_time_zero(each, condition) for each in solutions]).reshape(-1, size)
     multipliers = np.array([multipliers_of(each.matrix) for each in solutions], dtype=complex)
-    is_edge = [np.all(np.abs(condition.others(each)) < 1.0) for each in solutions]
+    is_edge = [np.all(np.abs(condition.others(each)) < _NEUTRAL) for each in solutions]
 
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]

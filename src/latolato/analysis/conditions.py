@@ -30,11 +30,11 @@ from latolato.simulation.vary import DERIVED
 
 # A motion begun at a touch flies so long, in its own durations, before contacts are looked for.
 _FLIGHT = 0.05
+# A point at which motions merge is known to some 1e-5: it and its image are one within this.
+NEARLY = 1e-4
 # Samples of one instant: a polynomial through so many, over so much of a drive period, gives value
 # and derivatives at its beginning to some 1e-12.
 _NODES, _SPAN = 9, 0.02
-# Width of differences that serve as second derivatives of the map, in units of the state.
-_WIDTH = 1e-3
 # Units of a state, in sizes of the motion; a motion without impacts may vanish, its units do not.
 _SIZES, _SMALLEST = 6.0, 0.1
 # In samples of a motion something is negative if it is below this, in natural units.
@@ -72,13 +72,15 @@ class Plane:
     def at(self, values: Floats, turn: float = 0.0) -> Flow:
         """Return the motion at other values, begun when the drive has turned by some radians.
 
-        Ratios are set last: what they are multiplied by may be the other parameter.
+        Ratios are set last, since they are of other parameters, and the ratio of accelerations
+        after that of frequencies.
         """
         system: System = self.flow.system
         drive: Any = self.flow.drive
-        order = sorted(zip(self.names, values, strict=True), key=lambda pair: pair[0] in DERIVED)
-        for name, value in order:
-            system, drive = varied(system, drive, name, float(value))
+        given = dict(zip(self.names, values, strict=True))
+        order = ("drive_acceleration_ratio", *DERIVED)
+        for name in sorted(given, key=lambda each: (each in order, each == order[0])):
+            system, drive = varied(system, drive, name, float(given[name]))
         phase = math.fmod(drive.drive_phase + turn, math.tau)
         return replace(self.flow, system=system, drive=replace(drive, drive_phase=phase))
 
@@ -151,6 +153,10 @@ class Condition(ABC):
         """Return what of a state is unknown."""
         return state
 
+    def images(self, solution: Solution) -> list[Floats]:
+        """Return how far a motion is from each of its images, in units of the state."""
+        return []
+
     def settle(self, solution: Solution) -> None:  # noqa: B027
         """Take what is held fixed beside a solution from it, if anything is."""
 
@@ -207,6 +213,9 @@ class Multiplier(Condition):
         if solution is None:
             return None
         self.measure = self.size_of(solution)
+        solution = self.at(np.append(start, values) / self.units)
+        assert solution is not None
+        self.settle(solution)
         return np.append(start, values) / self.units
 
     def settle(self, solution: Solution) -> None:
@@ -251,36 +260,33 @@ class Multiplier(Condition):
         """Return the time over which the map leads [s]."""
         return self.periods * drive_period(flow.drive)
 
+    def images(self, solution: Solution) -> list[Floats]:
+        """Return how far a motion is from each of its images, in units of the state.
+
+        Those are its states after fewer drive periods, and in a mirror.
+        """
+        found = []
+        flow, start = solution.flow, solution.start
+        for count in range(1, self.periods + 1):
+            end = flow.follow(start, count * drive_period(flow.drive)).end
+            for mirror in (np.eye(flow.size), *mirrors_of(flow)):
+                gap = mirror @ end - start
+                gap[0::2] = wrapped(gap[0::2])
+                found.append(gap / scale_of(flow.system))
+        return found
+
     def others(self, solution: Solution) -> NDArray[np.complex128]:
         """Return the multipliers of the map but for the critical one."""
         multipliers = np.linalg.eigvals(solution.matrix).astype(complex)
         return np.delete(multipliers, np.argmin(np.abs(multipliers - self.critical)))
 
     def tests(self, solution: Solution) -> dict[str, float]:
-        """Return those of other multipliers, and at a fold of its second derivative."""
+        """Return those of other multipliers: one equals the critical one, or is its opposite."""
         others = self.others(solution)
         equal = float(np.real(np.prod(self.critical - others)))
         opposite = float(np.real(np.prod(self.critical + others)))
-        if self.critical > 0.0:
-            result = {"resonance_1_1": equal, "fold_flip": opposite}
-            return result | {"cusp": self._curvature(solution)}
-        return {"resonance_1_2": equal, "fold_flip": opposite}
-
-    def _curvature(self, solution: Solution) -> float:
-        """Return the second derivative of the map along its null vector; zero at a cusp."""
-        border = self._border(solution.matrix)
-        last = np.eye(len(border))[-1]
-        right, left = np.linalg.solve(border, last)[:-1], np.linalg.solve(border.T, last)[:-1]
-        move = right * self.measure / self.units[:-2]
-        width = _WIDTH / float(np.linalg.norm(move))
-        here = np.append(solution.start, solution.values) / self.units
-        missed = []
-        for step in (-width, width):
-            moved = self.at(here + np.append(step * move, [0.0, 0.0]))
-            if moved is None:
-                return math.nan
-            missed.append(moved.missed[:-1])
-        return float(left @ (missed[0] + missed[1]) / (width**2 * np.linalg.norm(left)))
+        resonance = "resonance_1_1" if self.critical > 0.0 else "resonance_1_2"
+        return {resonance: equal, "fold_flip": opposite}
 
 
 class Touch(Condition):
@@ -296,9 +302,8 @@ class Touch(Condition):
     kind : {"grazing", "lift_off", "slack_onset"}
     periods : int
         Of the drive, after which the motion closes.
-    wall : float
-        Angle or separation at which balls touch, for the first two kinds: its place among
-        ``flow.walls``.
+    wall : int
+        Which of ``flow.walls`` balls touch, for the first two kinds.
     ball : int
         Whose string touches tension zero, for the last.
     """
@@ -367,8 +372,8 @@ class Touch(Condition):
             missed = gap
         elif self.kind == "slack_onset":
             missed = np.append(gap, touched[:2])
-        else:  # at rest on each other balls have one angle in common, or none
-            missed = np.append(gap[2:], touched[:2])
+        else:  # a ball at rest stays where it is
+            missed = touched[:2]
         matrix = passage.matrix * self.measure / self.measure[:, None]
         return Solution(missed, flow, start, turn, passage, matrix, values)
 
@@ -398,15 +403,8 @@ class Touch(Condition):
         """
         span = _SPAN * drive_period(flow.drive)
         nodes = 0.5 * span * (1.0 - np.cos(np.pi * np.arange(_NODES) / (_NODES - 1)))
-        if self.kind == "lift_off" and flow.size == 2:
-            return _derivatives(nodes / span, self._pressed(flow, start, nodes))
         if self.kind == "lift_off":
-            # Two balls that swing together: the acceleration with which they would part alone.
-            forces = []
-            for node in nodes:
-                moved = flow.follow(start, node).end if node > 0.0 else start
-                forces.append(-self._clearance(later(flow, node), moved, nodes)[2])
-            return _derivatives(nodes / span, np.array(forces))
+            return _derivatives(nodes / span, self._pressed(flow, start, nodes))
         if self.kind == "grazing":
             return self._clearance(flow, start, nodes)
         return _derivatives(nodes / span, self._sampled(flow, start, nodes, "tension")[self.ball])
@@ -416,7 +414,9 @@ class Touch(Condition):
 
         Gravity and the pivot press it against the lower wall together; friction holds it too.
         """
-        lifted = self._sampled(flow, start, times, "pivot_acceleration")[0]
+        (segment, *_) = flow.drive.segments(float(times[-1]))
+        acceleration = type(flow.drive).acceleration
+        lifted = np.array([acceleration(float(time), segment) for time in times])
         ball, gravity = flow.system.balls[0], flow.system.gravity
         friction = ball.coulomb_damping / (ball.mass * gravity * abs(math.sin(float(start[0]))))
         sign = 1.0 if self.wall == 0 else -1.0

@@ -10,6 +10,7 @@ import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.checks import check_vertical
+from latolato.analysis.conditions import NEARLY, closing_maps
 from latolato.analysis.floquet import shorter_period, smallest_period
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
@@ -32,10 +33,14 @@ QUANTITIES = {
     "special_kind": Quantity("1", "", "what happens to the branch"),
     "special_value": Quantity("1", "", "where it happens"),
     "special_angle": Quantity("rad", r"\theta_{max}", "largest angle there"),
-    "special_initial_angle": Quantity("rad", r"\theta_0", "initial angle there"),
-    "special_initial_angular_velocity": Quantity(
-        "rad/s", r"\dot\theta_0", "initial angular velocity there"
-    ),
+    **{
+        f"special_{name}{side}": Quantity(unit, symbol, f"{words} there{side.replace('_', ', ')}")
+        for name, unit, symbol, words in (
+            ("initial_angle", "rad", r"\theta_0", "initial angle"),
+            ("initial_angular_velocity", "rad/s", r"\dot\theta_0", "initial angular velocity"),
+        )
+        for side in ("", "_right", "_left")
+    },
 }
 # Where another branch leaves.
 _SPLITS = ("period_doubling", "symmetry_breaking", "branch_point")
@@ -105,7 +110,8 @@ def continue_orbit(
         begins to move, ``rest_ends``: the last phase at rest appears or vanishes, ``slackens``: the
         least tension of a string along the orbit falls through zero), ``special_value`` in the
         parameter's unit, ``special_angle``, ``special_initial_angle`` and
-        ``special_initial_angular_velocity``; ``special[0]`` holds all of them of the first point,
+        ``special_initial_angular_velocity`` (of two balls each with ``_right`` and ``_left``);
+        ``special[0]`` holds all of them of the first point,
         for `bifurcation_curve`. ``status``: ``end of range``, ``points`` (more would follow),
         ``closed`` (the branch is a loop, or runs into itself), ``slackens`` (it ends there: slack
         balls move differently), ``lost`` (it ends here, or its steps became too short) or ``not
@@ -148,8 +154,6 @@ def continue_orbit(
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
         leaves = special.kind in _SPLITS
-        if special.kind == "period_doubling":
-            period = int(checked_number("period", 2 * period, PERIODS, ""))
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     drive = flow.drive
     begun = value_of(system, drive, parameter)
@@ -163,6 +167,11 @@ def continue_orbit(
             "first_orbit", {"name": parameter, "begun": begun, "low": low, "high": high}
         )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
+    if at is not None and special.kind == "period_doubling":
+        # A branch that merges with one of half its period doubles that one's.
+        maps = closing_maps(flow, guess, period, NEARLY)
+        same = [count for mirror, count in maps if np.array_equal(mirror, np.eye(flow.size))]
+        period = int(checked_number("period", 2 * min(same, default=period), PERIODS, ""))
     branch = Branch(flow, parameter, (low, high), period)
     first = find_orbit(flow, guess, period)
     places: list[Place] = []
@@ -206,7 +215,7 @@ def continue_orbit(
             parameter: about,
             "special_value": replace(QUANTITIES["special_value"], unit=about.unit),
         },
-        settings={"message": message},
+        settings={"message": message, "period": period},
     )
     # Each special point holds all that a curve through it needs.
     result = result.assign_coords(special=np.arange(len(specials)))
@@ -306,7 +315,6 @@ def _variables(
     starts = np.array([branch.at_time_zero(p) for p in places]).reshape(-1, flow.size)
     there = np.array([branch.at_time_zero(p) for _, p in specials]).reshape(-1, flow.size)
     per_ball = ("point", "ball") if two else ("point",)
-    per_special = ("special", "ball") if two else ("special",)
 
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
@@ -328,6 +336,9 @@ def _variables(
             "special",
             np.array([p.orbit.passage.largest_angle for _, p in specials]),
         ),
-        "special_initial_angle": (per_special, ball(there[:, 0::2])),
-        "special_initial_angular_velocity": (per_special, ball(there[:, 1::2])),
+        **{
+            f"special_{name}{side}": ("special", there[:, 2 * i + k])
+            for i, side in enumerate(("_right", "_left") if two else ("",))
+            for k, name in enumerate(("initial_angle", "initial_angular_velocity"))
+        },
     }

@@ -6,16 +6,21 @@ Pseudo-arclength continuation; Keller (1977), as in AUTO, COCO and BifurcationKi
 from __future__ import annotations
 
 from collections.abc import Callable
+from contextlib import suppress
 from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
 
-from latolato.analysis.conditions import Condition, Solution, closing_maps
-from latolato.analysis.flow import Floats, drive_period
+from latolato.analysis.conditions import Condition, Solution
+from latolato.analysis.flow import Floats
 
 # Lengths of steps along a curve, in units of the state and of the parameters' ranges.
 _FIRST, _SHORTEST, _LONGEST = 2e-3, 1e-7, 2e-2
+# A point this near to an end of its range is at it: beyond, a parameter may have no meaning.
+_AT_END = 1e-6
+# A test that does not become this much smaller where its sign changes has jumped there.
+_SMALLER = 1e-3
 # An obstacle is approached to this distance.
 _CLOSE = 1e-4
 # Equations are solved to this; differences of them are taken over so much.
@@ -31,8 +36,8 @@ _SINGULAR = 1e-7
 _ROUNDING = 1e-6
 # Where, beyond the end of a curve, the reason is looked for.
 _BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
-# At a turning point a motion has a symmetry to this.
-_MERGED = 1e-3
+# A motion that is this near to an image of itself has that symmetry.
+_MERGED = 1e-5
 
 
 @dataclass(frozen=True)
@@ -72,7 +77,8 @@ class Curve:
             if np.linalg.norm(solution.missed) <= self._limit(solution):
                 self.condition.settle(solution)
                 again = self.condition.at(unknowns)
-                return None if again is None else self._place(unknowns, again)
+                place = None if again is None else self._place(unknowns, again)
+                return None if place is None else self._inside(place)
             matrix = self._matrix(unknowns, solution)
             if matrix is None:
                 return None
@@ -85,6 +91,18 @@ class Curve:
                 return None
             solution = self.condition.at(unknowns)
         return None
+
+    def _inside(self, place: Place) -> Place | None:
+        """Return a point, or where the curve enters the range if it lies beyond."""
+        border = self._border(place)
+        if border is None:
+            return place
+        which, end = border
+        row = np.zeros(len(place.unknowns))
+        row[which - 2] = 1.0
+        guess = place.unknowns.copy()
+        guess[which - 2] = end
+        return self._solved(place, guess, row)
 
     def at_value(self, guess: Floats, row: Floats) -> Place | None:
         """Return the point of the curve whose distance to a guess is across a direction, or None.
@@ -101,7 +119,12 @@ class Curve:
         return bool(sizes[-1] < _SINGULAR * max(1.0, sizes[0]))
 
     def follow(
-        self, first: Place, way: float, most: int, is_seen: Callable[[Place], None]
+        self,
+        first: Place,
+        way: float,
+        most: int,
+        is_seen: Callable[[Place], None],
+        goal: Place | None = None,
     ) -> tuple[list[Place], list[Special], str]:
         """Return points of the curve after the first, what is special among them, and its end.
 
@@ -113,6 +136,8 @@ class Curve:
             Most points.
         is_seen : callable
             Called with each point.
+        goal : Place, optional
+            Where the other way stopped: a curve that comes there from beyond is closed.
         """
         self.condition.measure = first.measure
         self.condition.settle(first.solution)
@@ -120,7 +145,7 @@ class Curve:
         places: list[Place] = [begun]
         specials: list[Special] = []
         try:
-            reason = self._follow(places, specials, most, is_seen)
+            reason = self._follow(places, specials, most, is_seen, goal)
         except KeyboardInterrupt:
             reason = "interrupted"
         return places[1:], specials, reason
@@ -131,6 +156,7 @@ class Curve:
         specials: list[Special],
         most: int,
         is_seen: Callable[[Place], None],
+        goal: Place | None,
     ) -> str:
         """Append points of a curve to the first, and special ones; return why it ends."""
         begun, length = places[0], _FIRST
@@ -140,9 +166,12 @@ class Curve:
             if new is None or new.tangent @ place.tangent < 0.9:
                 length *= 0.5
                 if length < _SHORTEST:
-                    return self._reason(place)
+                    at_end = self._border(place, _AT_END) is not None
+                    return "end of range" if at_end else self._reason(place)
                 continue
             border = self._border(new)
+            if border is not None and self._border(place, _AT_END) is not None:
+                return "end of range"  # it began there
             if border is not None:
                 end = self._at_border(place, new, *border)
                 if end is None:
@@ -160,17 +189,17 @@ class Curve:
                     return why
                 continue
             met = self._specials(place, new)
-            if met and met[-1].kind == "cusp" and self._merges(place, met[-1].place):
-                places.append(met[-1].place)
+            merged = self._merged(place, new)
+            if merged is not None:
+                places.append(merged)
                 return "merges"
             specials += met
             places.append(self._resized(new))
             is_seen(new)
             length = min(1.5 * length, _LONGEST)
-            if len(places) > 10 and np.array_equal(new.measure, begun.measure):
-                apart = float(np.linalg.norm(new.unknowns - begun.unknowns))
-                if apart < 0.75 * length and new.tangent @ begun.tangent > 0.5:
-                    return "closed"
+            returns = len(places) > 10 and _meets(new, begun, length) > 0.5
+            if returns or (goal is not None and _meets(new, goal, length) < -0.5):
+                return "closed"
         return "points"
 
     def _resized(self, place: Place) -> Place:
@@ -189,19 +218,26 @@ class Curve:
             return place
         return self._toward(found, place.tangent * change)
 
-    def _merges(self, old: Place, there: Place) -> bool:
-        """Whether a motion has a symmetry at a turning point that it lacks beside it.
+    def _merged(self, old: Place, new: Place) -> Place | None:
+        """Return the point between two neighbours at which a motion gains a symmetry, or None.
 
-        It is then the one from which the curve's motions split, and behind it are their images.
+        It is then the one from which the curve's motions split, and behind it are their images: how
+        far a motion is from such an image passes through zero.
         """
-        counts = []
-        for place in (old, there):
-            solution = place.solution
-            periods = round(
-                self.condition.duration(solution.flow) / drive_period(solution.flow.drive)
-            )
-            counts.append(len(closing_maps(solution.flow, solution.start, periods, _MERGED)))
-        return counts[1] > counts[0]
+        reach = float(old.tangent @ (new.unknowns - old.unknowns))
+        before = self.condition.images(old.solution)
+        after = self.condition.images(new.solution)
+        for i, (here, there) in enumerate(zip(before, after, strict=True)):
+            if np.linalg.norm(here) < _MERGED or not float(here @ there) < 0.0:
+                continue
+
+            def value(place: Place, i: int = i, here: Floats = here) -> float:
+                return float(self.condition.images(place.solution)[i] @ here)
+
+            place = self._zero(value, old, new, reach)
+            if np.linalg.norm(self.condition.images(place.solution)[i]) < _MERGED:
+                return place
+        return None
 
     def _reason(self, place: Place) -> str:
         """Return what happens just beyond the end of a curve."""
@@ -277,16 +313,18 @@ class Curve:
         matrix = np.array(columns).T
         return matrix if np.all(np.isfinite(matrix)) else None
 
-    def _border(self, place: Place) -> tuple[int, float] | None:
-        """Return which parameter is outside its range by most, and the end that it passed."""
+    def _border(self, place: Place, nearness: float = 0.0) -> tuple[int, float] | None:
+        """Return which parameter is outside its range by most, and the end that it passed.
+
+        Being inside by less than `nearness` counts too.
+        """
         values = place.unknowns[-2:]
         beyond = np.maximum(self.low - values, values - self.high)
         which = int(np.argmax(beyond))
-        if beyond[which] <= 0.0:
+        if beyond[which] <= -nearness:
             return None
-        return which, float(
-            self.low[which] if values[which] < self.low[which] else self.high[which]
-        )
+        middle = 0.5 * (self.low[which] + self.high[which])
+        return which, float(self.low[which] if values[which] < middle else self.high[which])
 
     def _at_border(self, old: Place, new: Place, which: int, end: float) -> Place | None:
         """Return the point at which a parameter reaches the end of its range."""
@@ -302,30 +340,49 @@ class Curve:
         """Return the points of codimension two between two neighbours."""
         found = []
         reach = float(old.tangent @ (new.unknowns - old.unknowns))
-        for kind, before in old.tests.items():
-            after = new.tests[kind]
-            if not before * after < 0.0 or max(abs(before), abs(after)) < _ROUNDING:
-                continue
-            located: list[Place] = []
+        for kind in (*old.tests, "cusp"):
 
-            def test(length: float, kind: str = kind, located: list[Place] = located) -> float:
-                if length in (0.0, reach):
-                    return (old if length == 0.0 else new).tests[kind]
+            def value(place: Place, kind: str = kind) -> float:
+                # At a cusp both parameters turn back.
+                back = float(place.tangent[-2:] @ old.tangent[-2:])
+                return back if kind == "cusp" else place.tests[kind]
+
+            before, after = value(old), value(new)
+            is_rounding = max(abs(before), abs(after)) < _ROUNDING
+            if not before * after < 0.0 or is_rounding:
+                continue
+            there = self._zero(value, old, new, reach)
+            if abs(value(there)) < _SMALLER * max(abs(before), abs(after)):
+                found.append(Special(kind, there))
+        return found
+
+    def _zero(self, value: Callable[[Place], float], old: Place, new: Place, reach: float) -> Place:
+        """Return the point between two neighbours at which a function is nearest to zero."""
+        located = {0.0: old, reach: new}
+
+        def at(length: float) -> float:
+            if length not in located:
                 place = self.correct(old, length)
                 if place is None:
                     raise ArithmeticError
-                located.append(place)
-                return place.tests[kind]
+                located[length] = place
+            return value(located[length])
 
-            try:
-                brentq(test, 0.0, reach, xtol=1e-9)
-            except ArithmeticError:
-                continue
-            if located:
-                found.append(Special(kind, min(located, key=lambda p: abs(p.tests[kind]))))
-        return found
+        # Where branches meet Newton's method may fail: the nearest point will do.
+        with suppress(ArithmeticError):
+            brentq(at, 0.0, reach, xtol=1e-9)
+        return min(located.values(), key=lambda place: abs(value(place)))
 
     def _limit(self, solution: Solution) -> float:
         """Return how well equations can be solved: a motion enlarges errors, of rounding too."""
         enlarged = max(1.0, float(np.linalg.norm(solution.matrix)))
         return enlarged * _SOLVED + _ROUNDED / float(self.condition.measure[0])
+
+
+def _meets(new: Place, old: Place, length: float) -> float:
+    """Return the cosine between the directions of two points within a step of each other, or 0."""
+    if not np.array_equal(new.measure, old.measure):
+        return 0.0
+    if np.linalg.norm(new.unknowns - old.unknowns) > 0.75 * length:
+        return 0.0
+    return float(new.tangent @ old.tangent)

@@ -131,13 +131,16 @@ RULES = {
     "end_of_each": Rule("must be a value for each of both parameters"),
     "touching_balls": Rule("needs balls that can touch", "use LatoLato"),
     "described_lift_off": Rule(
-        "is not described for air at rest in the room, nor for dry friction of two balls",
-        "compute self_start, or leave that drag out",
+        "is not described for air at rest in the room, nor for two balls that may differ",
+        "use LatoLato, or compute self_start",
     ),
     "needs_strings": Rule("needs strings", "give suspension='string'"),
     "needs_mirror": Rule(
         "needs a motion that equals its image in a mirror, and this one has none",
         "try fold or period_doubling",
+    ),
+    "kind_of_point": Rule(
+        "is of the kind {kind}, which no curve follows", "give a point of another kind"
     ),
     "special_point": Rule(
         "must be a special point of continue_orbit",

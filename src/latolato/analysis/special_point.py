@@ -44,12 +44,17 @@ class SpecialPoint:
         InputError
             If it is something else, or the drive is missing.
         """
-        is_point = getattr(at, "ndim", None) == 0 and "special_kind" in getattr(at, "coords", {})
+        known = {*getattr(at, "coords", {}), *getattr(at, "attrs", {})}
+        is_point = getattr(at, "ndim", None) == 0 and {"special_kind", "parameter"} <= known
         if not is_point or drive is None:
             raise broken_analysis("special_point", parameter="at", value=_shown(at))
         system, drive = varied(system, drive, at.attrs["parameter"], float(at["special_value"]))
-        start = (at[f"special_initial_{name}"].values for name in ("angle", "angular_velocity"))
-        angle, velocity = (float(x) if x.ndim == 0 else tuple(map(float, x)) for x in start)
+        sides = ("",) if system.angles == 1 else ("_right", "_left")
+        start = []
+        for name in ("angle", "angular_velocity"):
+            numbers = tuple(float(at[f"special_initial_{name}{side}"]) for side in sides)
+            start.append(numbers if system.angles == 2 else numbers[0])
+        angle, velocity = start
         kind, period = str(at["special_kind"].item()), int(at.attrs["period"])
         return cls(kind, system, drive, angle, velocity, period)
 

@@ -14,7 +14,7 @@ from latolato.core.registry import describe, flattened, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
-from latolato.figures.analyses.stored_system import system_of
+from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.physics.pendulum import Pendulum
 from latolato.simulation.vary import DERIVED
 
@@ -146,7 +146,7 @@ def draw_curve(axes: Axes, grid: xr.Dataset, sides: tuple[str, str], curve: xr.D
 
     from latolato.figures.analyses.bifurcation_curve import draw_over
 
-    if curve.attrs.get("analysis") != "bifurcation_curve":
+    if getattr(curve, "attrs", {}).get("analysis") != "bifurcation_curve":
         raise InputError(
             "must be 'tongue', 'lift_off' or a result of bifurcation_curve", parameter="overlays"
         )
@@ -168,11 +168,13 @@ def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> 
     """Raise InputError if a curve is of another system than a map."""
     varied = {*sides, *map(str, curve.attrs["parameters"])}
     varied |= {DERIVED.get(name, name) for name in varied}
-    laws = describe(system_of(curve)) | {"system": "", "drive": ""}
-    for name in sorted(flattened(laws).keys() - varied):
+    # The phase of the drive turns motions, and bifurcations with them.
+    laws = {**flattened(describe(system_of(curve))), **flattened(describe(drive_of(curve)))}
+    laws |= {"system": "", "drive": "", "contact": ""}
+    for name in sorted(laws.keys() - varied - {"drive_phase"}):
         scalar = name in grid.coords and not grid[name].ndim
         here = grid[name].item() if scalar else grid.attrs.get(name)
-        there = curve.attrs.get(name)
+        there = curve.attrs.get(name, "none" if name == "contact" else None)
         if here != there and not _are_close(here, there):
             raise InputError(
                 f"is of another system than the map: its {name} is {there}, that of the map {here}",

@@ -88,6 +88,8 @@ def plot(
     if not isinstance(run, xr.Dataset):
         raise InputError("plot needs a run: a dataset with angle over time", value=run)
     kind = kind_of(run)
+    if isinstance(overlays, (str, xr.Dataset)):
+        overlays = [overlays]
     asked = bool(variable or log or curves or select or overlays or points)
     if kind == "map" or (kind == "analysis" and asked):
         from latolato.figures.map import Drawing
