@@ -306,6 +306,7 @@ def test_charts_in_a_closed_panel_are_not_drawn(page):
     open_held(page)
     summary = page.get_by_text("Energy and more curves", exact=True)
     summary.click()
+    page.wait_for_function("() => window.latolato.views.toy.player.more")
     page.evaluate(
         """() => {
           window.draws = { open: 0, closed: 0 };

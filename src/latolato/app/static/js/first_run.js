@@ -4,10 +4,10 @@ import { beginWorker } from "./model/worker.js";
 import { HELD, parse } from "./page/state.js";
 
 const { view, extra } = parse(location.search);
-const isHeld = HELD in extra;
-export const firstWorker = view === "toy" && !isHeld ? beginWorker() : null;
-if (view === "toy" && isHeld) {
-  // A toy in a hand is computed in the page. What fails is asked for again when the hand takes it.
+// A toy in a hand needs it for the runs that are kept, also when the server is gone by then.
+export const firstWorker = view === "toy" ? beginWorker() : null;
+if (view === "toy" && HELD in extra) {
+  // The hand itself is computed in the page. What fails is asked for again when the hand takes the toy.
   import("./kernels/load.js").then(({ loadAhead }) => loadAhead()).catch(() => {});
   import("./toy/hand.js").catch(() => {});
 }
