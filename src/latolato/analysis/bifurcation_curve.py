@@ -160,8 +160,8 @@ def bifurcation_curve(
     >>> tongue = bifurcation_curve(
     ...     system, drive, kind="period_doubling", low=(0.0, 1.8), high=(0.1, 2.2)
     ... )
-    >>> print(tongue.status.item(), round(float(tongue.drive_amplitude.min()), 5))
-    complete 0.00998
+    >>> print(tongue.status.item(), tongue.frequency_ratio.values[[0, -1]].round(4).tolist())
+    complete [1.8306, 2.2]
     """
     check_vertical(drive)
     if at is not None:
