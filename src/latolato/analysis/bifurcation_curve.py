@@ -40,7 +40,6 @@ from latolato.observables.word import LETTERS
 from latolato.physics.contacts import CONTACT_KINDS
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
-from latolato.simulation.run import record
 from latolato.simulation.start import DEFAULT_REST_SPEED
 from latolato.simulation.vary import TARGETS
 
@@ -306,11 +305,7 @@ def _touch_of(
     duration = period * drive_period(flow.drive)
     times = np.linspace(0.0, duration, _SAMPLES, endpoint=False)
     two = flow.size == 4
-    run = record(
-        flow.system, flow.drive, times=times, contact=flow.contact, tolerance=flow.tolerance,
-        initial_angle=tuple(start[0::2]) if two else float(start[0]),
-        initial_angular_velocity=tuple(start[1::2]) if two else float(start[1]),
-    )  # fmt: skip
+    run = flow.sampled(start, times)
     angles, speeds = np.atleast_2d(run["angle"]), np.atleast_2d(run["angular_velocity"])
     wall = ball = 0
     place = angles[0] - angles[1] if two else angles[0]

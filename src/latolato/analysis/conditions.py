@@ -25,7 +25,6 @@ from latolato.numerics.integrate import LARGEST
 from latolato.observables.period import wrapped
 from latolato.physics.contacts import REST
 from latolato.physics.pendulum import System
-from latolato.simulation.run import record
 from latolato.simulation.vary import DERIVED
 
 # A motion begun at a touch flies so long, in its own durations, before contacts are looked for.
@@ -437,12 +436,7 @@ class Touch(Condition):
         system: Any = flow.system
         if flow.is_string:
             system = replace(system, suspension="rod", string_restitution=0.0)
-        two = flow.size == 4
-        run = record(
-            system, flow.drive, times=nodes, contact=contact, tolerance=flow.tolerance,
-            initial_angle=tuple(start[0::2]) if two else float(start[0]),
-            initial_angular_velocity=tuple(start[1::2]) if two else float(start[1]),
-        )  # fmt: skip
+        run = replace(flow, system=system, contact=contact).sampled(start, nodes)
         return np.atleast_2d(run[name])
 
     def duration(self, flow: Flow) -> float:

@@ -22,6 +22,8 @@ from latolato.observables.perturbations import FundamentalMatrix
 from latolato.physics.contacts import REST, SLACK
 from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
 from latolato.physics.pendulum import System
+from latolato.simulation.record import Record
+from latolato.simulation.run import record
 from latolato.simulation.start import (
     DEFAULT_REST_SPEED,
     check_perturbations,
@@ -183,6 +185,15 @@ class Flow:
             result.status == "complete" and not result.state.is_slack.any(),
             self._slack_time(result) if self.is_string else math.inf,
         )
+
+    def sampled(self, start: Floats, times: Floats) -> Record:
+        """Return the record of the motion from a start, at some times [s]."""
+        two = self.size == 4
+        return record(
+            self.system, self.drive, times=times, contact=self.contact, tolerance=self.tolerance,
+            initial_angle=tuple(start[0::2]) if two else float(start[0]),
+            initial_angular_velocity=tuple(start[1::2]) if two else float(start[1]),
+        )  # fmt: skip
 
     def _slack_time(self, result: Trajectory) -> float:
         """Return when a string first goes slack, or a rod is first pushed [s], also by a hit."""

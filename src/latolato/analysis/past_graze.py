@@ -19,7 +19,6 @@ from latolato.analysis.curve import Curve
 from latolato.analysis.flow import Floats, Flow
 from latolato.analysis.orbits import CLOSED, find_orbit
 from latolato.physics.contacts import REST
-from latolato.simulation.run import record
 
 _SAMPLES = 4000
 # How fast a new impact is, or how far a former one is missed, when the branch goes on with ordinary
@@ -87,10 +86,7 @@ def past_graze(branch: Branch, place: Place) -> Place | None:
 def _nearest(flow: Flow, start: Floats, duration: float) -> tuple[float, int, bool] | None:
     """Return when a motion nearly grazes [s], which wall, and whether it hits it."""
     times = np.linspace(0.0, duration, _SAMPLES, endpoint=False)
-    run = record(
-        flow.system, flow.drive, times=times, contact=flow.contact, tolerance=flow.tolerance,
-        initial_angle=float(start[0]), initial_angular_velocity=float(start[1]),
-    )  # fmt: skip
+    run = flow.sampled(start, times)
     angle, rate = np.asarray(run["angle"]), flow.system.natural_frequency
     passage = flow.follow(start, duration)
     hits = np.flatnonzero(passage.contact_kinds < REST)
