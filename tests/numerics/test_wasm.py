@@ -249,13 +249,13 @@ def test_modules_are_of_these_sources_and_small():
     modules = read_layout()["modules"]
     assert set(modules) == {"one", "two", "plane_one", "plane_two", "lanes"}
     # The largest page, Map with its 1 MB, loads all of one variant that are not of the plane. The
-    # bounds are those of the compiler that builds wheels, the oldest (353,292 and 283,819 bytes,
+    # bounds are those of the compiler that builds wheels, the oldest (353,292 and 292,688 bytes,
     # of 1.7 MB that a first visit loads); newer ones save 2 to 5 %.
     for variant in ("", "-scalar"):
         sizes = {name: (MODULES / f"{name}{variant}.wasm").stat().st_size for name in modules}
         in_plane = sizes.pop("plane_one") + sizes.pop("plane_two")
         assert sum(sizes.values()) <= 360_000
-        assert in_plane <= 295_000
+        assert in_plane <= 298_000
 
 
 def test_angles_of_regular_motions_agree(twins):

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
+from latolato.analysis import tongue_edges
 from latolato.io.files import load, save
-from latolato.paper import catalogue
+from latolato.paper import catalogue, systems
 from latolato.paper.string_toys import on_one_engine
 from latolato.physics.pendulum import LatoLato
 from quick_figures import RESULTS, picture_of, quick_data
@@ -21,7 +22,7 @@ def numbers(name):
 
 def test_results_are_apart_from_the_papers_figures():
     strings = {"strings_map", "strings_start", "strings_top", "strings_sideways"}
-    assert strings | {"curves_fig11"} <= set(RESULTS)
+    assert strings | {"curves_fig05", "curves_fig09", "curves_fig11"} <= set(RESULTS)
     assert not set(RESULTS) & set(catalogue.evidence())
 
 
@@ -111,3 +112,41 @@ def test_the_left_side_of_fig11_is_a_basin_and_its_right_side_nothing():
     # Far to the right of the folds, near the twin.
     assert min(np.subtract(edges, [found[f"fold_{i}"] for i in range(4)])) > 0.5
     assert 0.0 < found["least"] < found["most"] < 0.25
+
+
+def test_fig05_is_bounded_by_lift_off_and_the_last_invariant_curve():
+    found = numbers("curves_fig05")
+    assert found["between"] > 99.8
+    # The motion of ten shakes doubles where runs of 3000 s first come out at every amplitude.
+    assert found["apart"] < 3.0
+    assert 0.0 < found["late"] < 20.0
+    assert found["visits_below"] == 0.0 < 20.0 < found["visits"]
+    assert found["enclosed"] < 0.5 < 2.0 < found["freed"]
+    data = quick_data("curves_fig05")
+    assert data.impacts.values.tolist() == [7.0]
+    assert data.shakes.values.tolist() == [10.0]
+
+
+def test_fig09_begins_wide_on_the_left_and_from_nothing_on_the_right():
+    found = numbers("curves_fig09")
+    assert 60.0 < found["jump"] < 80.0
+    assert found["miss"] < 1.5 * found["step"]
+    assert found["below"] == 0.0
+    assert found["apart"] < 0.05
+    assert found["straight"] < 1.0
+    assert found["ends"] < 1e-4
+    data = quick_data("curves_fig09")
+    left, right = data.edge_ratio.values
+    # The edges are those of the linear equation, by the discriminant of Hill's equation.
+    for ratios, amplitudes, side in zip(
+        (left, right), data.edge_amplitude.values, ("low", "high"), strict=True
+    ):
+        for k in range(0, int(np.isfinite(ratios).sum()), 10):
+            theory = tongue_edges(systems.SINGLE, drive_amplitude=float(amplitudes[k]))
+            assert ratios[k] == pytest.approx(float(theory[side]), abs=1e-8)
+    # The swing is stable from the right edge to its fold, and unstable from there to the left one.
+    for row, ratio in zip(data.branch_is_stable.values, data.branch_ratio.values, strict=True):
+        fold = int(np.nanargmin(ratio))
+        known = np.isfinite(ratio)
+        assert np.all(row[1 : fold - 2] == 1.0)
+        assert np.all(row[fold + 3 : int(known.sum()) - 1] == 0.0)
