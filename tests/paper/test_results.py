@@ -118,8 +118,10 @@ def test_fig05_is_bounded_by_lift_off_and_the_last_invariant_curve():
     found = numbers("curves_fig05")
     assert found["between"] > 99.8
     # The motion of ten shakes doubles where runs of 3000 s first come out at every amplitude.
+    assert found["compared"] == 3.0
     assert found["apart"] < 3.0
     assert 0.0 < found["late"] < 20.0
+    assert found["island"] < 0.25 < 0.3 < found["most"]
     assert found["visits_below"] == 0.0 < 20.0 < found["visits"]
     assert found["enclosed"] < 0.5 < 2.0 < found["freed"]
     data = quick_data("curves_fig05")
