@@ -53,17 +53,21 @@ def damped_small_angle(
     ----------
     times : array_like
         Instants [s].
-    length, mass, gravity : float
-        l [m], m [kg] and g [m/s^2], positive.
+    length, mass : float
+        Length l [m] and mass m [kg], positive.
     damping : float
         C [kg m/s], at least 0.
     initial_angle : float
         Angle [rad] at time zero; the equation is linear, smallness is the caller's concern.
+    gravity : float
+        Gravitational acceleration g [m/s^2], positive.
 
     Returns
     -------
-    angle, angular_velocity : ndarray
-        Of the shape of `times`.
+    angle : ndarray
+        Angle [rad], of the shape of `times`.
+    angular_velocity : ndarray
+        Angular velocity [rad/s], of the same shape.
 
     Notes
     -----
@@ -110,17 +114,19 @@ def fall_time(
 
     Parameters
     ----------
-    length, gravity : float
-        l [m] and g [m/s^2], positive.
+    length : float
+        Length l [m], positive.
     radius : float
         Ball radius [m], in [0, length).
     initial_angle : float
         Turning point [rad], above the low wall and not above the high one.
+    gravity : float
+        Gravitational acceleration g [m/s^2], positive.
 
     Returns
     -------
     float
-        tau; elastic collision n follows at ``(2 n - 1) tau``.
+        Time tau; elastic collision n follows at ``(2 n - 1) tau``.
 
     Examples
     --------
@@ -187,8 +193,10 @@ def elastic_bounces(
 
     Returns
     -------
-    angle, angular_velocity : ndarray
-        Of the shape of `times`.
+    angle : ndarray
+        Angle [rad], of the shape of `times`.
+    angular_velocity : ndarray
+        Angular velocity [rad/s], of the same shape.
 
     Notes
     -----
@@ -225,10 +233,12 @@ def zeno_time(
 
     Parameters
     ----------
-    length, radius, initial_angle, gravity : float
+    length, radius, initial_angle : float
         As in `fall_time`.
     restitution : float
-        e, in [0, 1).
+        Coefficient of restitution e, in [0, 1).
+    gravity : float
+        As in `fall_time`.
 
     Returns
     -------
@@ -371,7 +381,7 @@ def mathieu_parameters(
     drive_frequency : float
         Angular frequency w [rad/s], positive.
     length, gravity : float
-        l [m] and g [m/s^2], positive.
+        Length l [m] and gravitational acceleration g [m/s^2], positive.
 
     Returns
     -------

@@ -29,10 +29,12 @@ def undriven_period(
 
     Parameters
     ----------
-    length, gravity : float
-        l [m] and g [m/s^2], positive.
+    length : float
+        Length l [m], positive.
     initial_angle, initial_angular_velocity : float
         State [rad, rad/s] at time zero, any energy.
+    gravity : float
+        Gravitational acceleration g [m/s^2], positive.
 
     Returns
     -------
@@ -76,13 +78,15 @@ def undriven_motion(
     ----------
     times : array_like
         Instants [s], of either sign.
-    length, initial_angle, initial_angular_velocity, gravity
+    length, initial_angle, initial_angular_velocity, gravity : float
         As for `undriven_period`.
 
     Returns
     -------
-    angle, angular_velocity : ndarray
-        Of the shape of `times`; the angle is not wrapped.
+    angle : ndarray
+        Angle [rad], of the shape of `times`; it is not wrapped.
+    angular_velocity : ndarray
+        Angular velocity [rad/s], of the same shape.
 
     Notes
     -----

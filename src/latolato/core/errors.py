@@ -77,8 +77,8 @@ class InputError(ValueError):
         super().__init__(rule)
         self.rule = rule
         self.parameter = parameter
-        self.value = None if value is NOT_GIVEN else value
-        self.has_value = value is not NOT_GIVEN
+        self.value: Any = None if value is NOT_GIVEN else value
+        self.has_value: bool = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
         self.named: NamedRule | None = None

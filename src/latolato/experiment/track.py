@@ -234,16 +234,16 @@ def track(
         stick that does not fit the scale, a path that is not a circle, an unknown direction
         of gravity, or an unknown geometry.
 
+    See Also
+    --------
+    latolato.experiment.track_table.write_table : Writes the table.
+
     Notes
     -----
     What moves is linked through the whole clip first; then pivot and balls are layers fitted to
     each frame in linear light, from there. Balls cannot pass each other. The track must pass the
     checks of `latolato.experiment.tracking.gate`. It can miss two balls of different sizes or
     colours, a perspective that the circle does not show, and what each of the checks can miss.
-
-    See Also
-    --------
-    latolato.experiment.track_table.write_table : Writes the table.
     """
     path = checked_path("path", path)
     settings = {

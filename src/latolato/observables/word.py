@@ -298,6 +298,7 @@ def contact_words(codes: Any) -> Any:
     Parameters
     ----------
     codes : number, array or DataArray
+        Numbers of the observable `contact_word`.
 
     Returns
     -------

@@ -147,8 +147,12 @@ class System:
     has_contacts: ClassVar[bool] = False
 
     suspension = "rod"
-    string_restitution = 0.0
     drag_frame = "pivot"
+
+    @property
+    def string_restitution(self) -> float:
+        """Restitution of a string that becomes taut."""
+        return 0.0
 
     gravity: float = quantity_field("gravity", POSITIVE, default=GRAVITY, suggested=(1.6, 25.0))
 

@@ -71,10 +71,12 @@ class Scenario:
     varied : mapping
         The arguments of `latolato.sweep` that ``[sweep]`` gives: `axes`, `observables` and more;
         empty for a scenario of one run.
-    name, title, description : str
-        Name and title of the scenario, and what it shows, with every assumption made.
+    name, title : str
+        Name and title of the scenario.
     question : str
         A question that the motion raises; pages show it as a headline.
+    description : str
+        What it shows, with every assumption made.
     figure : str
         The figure of the paper that it belongs to.
     """

@@ -67,12 +67,12 @@ def sweep(
         End of every run [s].
     observables : sequence
         Names or instances of `latolato.observables`; a variable's name stands for its observable.
-    initial_angle, initial_angular_velocity, initial_offset, initial_distance, tolerance
+    initial_angle, initial_angular_velocity, initial_offset, initial_distance
         As for `latolato.simulate`.
     transient, transient_periods : float
         Time [s], or number of drive periods (natural ones without a drive), after which
         observables begin; they add up.
-    contact, rest_speed, contact_limit, noise
+    tolerance, contact, rest_speed, contact_limit, noise
         As for `latolato.simulate`. Point k (in C order over the axes) sees the stream
         ``noise.noise_stream + k``: a run with ``VelocityKicks(..., noise_stream=...)`` of that
         number sees the same kicks. Each field of the noise may be an axis; where
