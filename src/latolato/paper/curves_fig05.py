@@ -62,7 +62,7 @@ QUICK_MOTIONS = ((*MOTIONS[0][:4], 3.95, 4.05),)
 # [rad], the first at rest on it, the last ones outside all invariant curves.
 SECTIONS = (0.24, 0.31)
 SECTION_RATIO = 4.0
-_SHAKES = 600
+SECTION_SHAKES = 600
 STARTS, OUTSIDE = (0.0, 0.06, 0.1, 0.14, 0.18, 0.22, 0.26, 0.3), (1.0, 1.4, 1.8)
 # Nearer to the wall than this [rad] and slower than this [rad/s]: inside all curves of (b).
 NEAR, SLOW = 0.25, 2.0
@@ -71,7 +71,7 @@ _AMPLITUDE = QUANTITIES["drive_amplitude"].attributes
 _RATIO = QUANTITIES["frequency_ratio"].attributes
 _PLAIN = {"units": "1", "symbol": ""}
 _IMPACTS = _PLAIN | {"long_name": "impacts in a period of the motion"}
-_SHAKES_ABOUT = _PLAIN | {"long_name": "shakes in a period of the motion"}
+_SHAKES = _PLAIN | {"long_name": "shakes in a period of the motion"}
 _REACHES = _PLAIN | {"long_name": "whether a run passes 2 rad"}
 TOY = fig05.TOY
 
@@ -116,8 +116,8 @@ def data(quick: bool = False) -> xr.Dataset:
     sections = [
         [
             analysis.poincare_section(
-                TOY, _shake(SECTION_RATIO, amplitude), initial_offset=offset, periods=_SHAKES,
-                transient_periods=0.0,
+                TOY, _shake(SECTION_RATIO, amplitude), initial_offset=offset,
+                periods=SECTION_SHAKES, transient_periods=0.0,
             )
             for offset in (*STARTS, *OUTSIDE)
         ]
@@ -136,7 +136,7 @@ def data(quick: bool = False) -> xr.Dataset:
         "curve_amplitude": (("motion", "point"), padded("drive_amplitude"), _AMPLITUDE),
         "curve_ratio": (("motion", "point"), padded("frequency_ratio"), _RATIO),
         "impacts": ("motion", [float(curve.impacts[0]) for curve in curves], _IMPACTS),
-        "shakes": ("motion", [float(curve.attrs["period"]) for curve in curves], _SHAKES_ABOUT),
+        "shakes": ("motion", [float(curve.attrs["period"]) for curve in curves], _SHAKES),
         **{
             name: (visits, np.array([[run[name].values for run in row] for row in sections]),
                    QUANTITIES[name].attributes)
