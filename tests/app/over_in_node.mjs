@@ -2,6 +2,7 @@
 import { readFileSync } from "node:fs";
 
 import { InputError, learnRules } from "../../src/latolato/app/static/js/model/rules.js";
+import { parseCurves, placedCurve } from "../../src/latolato/app/static/js/map/curves.js";
 import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
 import { tongueEdges } from "../../src/latolato/app/static/js/model/tongue.js";
@@ -16,6 +17,7 @@ const DO = {
     .map(({ xs, ys }) => [...xs].map((x, i) => [x, ys[i]])),
   tongue: ({ grid }) => tongue(new Placing(grid)),
   lift_off: ({ grid }) => liftOff(new Placing(grid)),
+  curves: ({ text, grid }) => parseCurves(text).map((curve) => placedCurve(registry, curve, grid)),
   trials: ({ text, grid }) => placedTrials(parseTrials(registry, text), new Placing(grid)),
 };
 

@@ -90,6 +90,8 @@ def texts_of_registry() -> Iterator[str]:
         yield observable["description"]
         for variable in observable["variables"].values():
             yield from (variable["label"], *(name for name, _ in variable["classes"]))
+    for part in about["curves"].values():
+        yield from (each["label"] for each in part.values())
     for scenario in about["scenarios"].values():
         yield from (
             scenario[key] for key in ("title", "question", "description") if key in scenario

@@ -17,7 +17,9 @@ from hanging import threshold_amplitude, tongue_edges
 from in_node import NODE
 from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
+from latolato.app import CURVES
 from latolato.app.forms import registry
+from latolato.app.map.curves import read_curves
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, write_trials
 from latolato.figures import overlays
@@ -224,6 +226,98 @@ def test_trials_are_those_of_python_in_the_coordinates_of_the_map(x, tmp_path):
         low, high = np.transpose([SPANS[x], SPANS["amplitude_ratio"]])[:, :, np.newaxis]
         assert found["outside"] == np.sum(((places < low) | (places > high)).any(axis=0))
     assert read == 10
+
+
+PAIR = {
+    "system": "latolato", "gravity": 9.8, "length": 0.245, "mass": 0.10644, "damping": 0.00506,
+    "quadratic_damping": 0.0, "coulomb_damping": 0.0, "radius": 0.0196, "restitution": 0.9,
+    "drive": "harmonic", "drive_phase": 1.0, "contact": "exact",
+}  # fmt: skip
+# Axes of maps, and how the laws of these differ from those of the shipped curves.
+UNDER = [
+    *(((f, a), {}) for f in FREQUENCIES for a in AMPLITUDES),
+    *(((a, f), {}) for f in FREQUENCIES for a in AMPLITUDES),
+    (("frequency_ratio", "drive_amplitude"), {"mass": 0.10644 * (1.0 + 1e-12)}),
+    (("frequency_ratio", "drive_amplitude"), {"restitution": 0.85}),
+    (("frequency_ratio", "drive_amplitude"), {"contact": "none"}),
+    (("frequency_ratio", "drive_amplitude"), {"suspension": "string"}),
+    (("frequency_ratio", "drive_amplitude"), {"drive": "crank_slider", "length": 0.3}),
+    (("frequency_ratio", "drive_amplitude"), {"system": "pendulum"}),
+    (("restitution", "drive_amplitude"), {"drive_frequency": 12.0}),
+    (("initial_angle", "drive_amplitude"), {"drive_frequency": 12.0}),
+]
+
+
+def test_bifurcation_curves_lie_where_python_draws_them_or_are_refused_alike():
+    text = (CURVES / "fig11.csv").read_text(encoding="utf-8")
+    laws = [{**without(without(PAIR, x), y), **other} for (x, y), other in UNDER]
+    grids = [grid_of(*sides, each, True) for (sides, _), each in zip(UNDER, laws, strict=True)]
+    for grid, each in zip(grids, laws, strict=True):
+        grid["about"]["laws"] = each
+    pages = over_in_node({"name": "curves", "text": text, "grid": grid} for grid in grids)
+    refused = []
+    for (sides, _), each, found in zip(UNDER, laws, pages, strict=True):
+        curves = read_curves(text)
+        wanted = made(lambda e=each, s=sides, c=curves: [
+            overlays.places_of(xr.Dataset(attrs=e), s, curve) for curve in c
+        ])  # fmt: skip
+        if isinstance(wanted, dict):
+            assert found == wanted
+            refused.append(wanted["error"])
+            continue
+        for drawn, places, curve in zip(found, wanted, curves, strict=True):
+            np.testing.assert_allclose([drawn["xs"], drawn["ys"]], places, rtol=1e-14)
+            assert drawn["kind"] == curve.attrs["bifurcation"]
+            assert drawn["edges"] == curve.is_edge.values.astype(bool).tolist()
+            assert drawn["words"] == curve.word.values.tolist()
+            np.testing.assert_array_equal(np.ravel(drawn["angles"]), curve.initial_angle)
+    assert len(refused) == 7
+    assert "its restitution is 0.9, that of the map 0.85" in refused[0]
+    assert "its suspension is rod, that of the map string" in refused[2]
+
+
+# Two balls, of which each has a start, and special points on the way.
+SPLIT = """\
+# system: ballpair
+# drive: harmonic
+# bifurcation: fold
+# period: 2
+# analysis: bifurcation_curve
+# parameters: ('drive_amplitude', 'frequency_ratio')
+
+# over special
+special,special_drive_amplitude [m],special_frequency_ratio,special_kind
+0,0.02,1.5,cusp
+
+# over point
+point,drive_amplitude [m],frequency_ratio,largest_angle [rad],impacts,word,is_edge
+0,0.01,1.0,1.2,2,BT,1
+1,0.02,2.0,1.3,0,no contact,0
+
+# over point, ball
+point,ball,initial_angle [rad],initial_angular_velocity [rad/s]
+0,0,0.1,1.0
+0,1,-0.2,-2.0
+1,0,0.3,3.0
+1,1,-0.4,-4.0
+"""
+
+
+def test_a_curve_of_two_balls_has_a_start_for_each():
+    laws = {"system": "ballpair", "drive": "harmonic"}
+    grid = grid_of("drive_amplitude", "frequency_ratio", {}, True)
+    grid["about"]["laws"] = laws
+    ((found,),) = over_in_node([{"name": "curves", "text": SPLIT, "grid": grid}])
+    assert found["angles"] == [[0.1, -0.2], [0.3, -0.4]]
+    assert found["velocities"] == [[1.0, -2.0], [3.0, -4.0]]
+    assert found["marks"] == [{"x": 0.02, "y": 1.5, "kind": "cusp", "mark": "v"}]
+    (curve,) = read_curves(SPLIT)
+    np.testing.assert_array_equal(curve.initial_angle, found["angles"])
+    assert curve.initial_angle.dims == ("point", "ball")
+    (missing,) = over_in_node(
+        [{"name": "curves", "text": SPLIT.replace("word", "words"), "grid": grid}]
+    )
+    assert missing == {"error": "a bifurcation curve needs “word” in its table"}
 
 
 def sides_of(lines):

@@ -173,7 +173,7 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     )
     open_map(page)
     page.get_by_text("Curves and trials").click()
-    page.get_by_label("Trial table").set_input_files(table)
+    page.get_by_label("Trial table or curves").set_input_files(table)
     page.get_by_text("3 trials, 0 of them outside the map.").wait_for()
     found = page.evaluate(
         """() => {
@@ -190,7 +190,7 @@ def test_trials_are_drawn_where_they_were_measured(page, tmp_path):
     assert found == [[0xF2, 0xA3, 0x1B], [0x0F, 0x96, 0x7C], [0x2B, 0x62, 0xC9]]
     bad = tmp_path / "bad.csv"
     bad.write_text("drive_amplitude,frequency_ratio,class\n100 mm,1.0,wild\n")
-    page.get_by_label("Trial table").set_input_files(bad)
+    page.get_by_label("Trial table or curves").set_input_files(bad)
     page.get_by_text("class must be 'none', 'weak' or 'strong', got 'wild'").wait_for()
     assert page.evaluate("() => window.latolato.views.map.chart.trials") is None
 

@@ -3,6 +3,8 @@
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
+# Bifurcation curves over the maps of scenarios: `latolato.app.map.curves` writes them.
+CURVES = STATIC / "curves"
 
 
 def kernels_folder() -> Path:

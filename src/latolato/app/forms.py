@@ -15,7 +15,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
-from latolato.app import STATIC
+from latolato.app import CURVES, STATIC
 from latolato.app.run_request import options_of
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
@@ -23,6 +23,7 @@ from latolato.core.rules import RULES
 from latolato.core.versions import FORMAT, version_of
 from latolato.experiment.trial_table import COLUMN_UNITS
 from latolato.figures import word_classes
+from latolato.figures.analyses.bifurcation_curve import COLOURS, MARKS
 from latolato.figures.cells import SCALES
 from latolato.figures.map import CLASSES
 from latolato.observables import observables
@@ -86,11 +87,19 @@ def _registry() -> dict[str, Any]:
         "rules": {name: rule._asdict() for name, rule in RULES.items()},
         "alternatives": [sorted(group) for group in ALTERNATIVES],
         "languages": _languages(),
+        "curves": {
+            "kinds": {kind: _in_words(kind) | {"colour": c} for kind, c in COLOURS.items()},
+            "marks": {kind: _in_words(kind) | {"mark": mark} for kind, mark in MARKS.items()},
+        },
         "trials": {"columns": COLUMN_UNITS, **asdict(MotionClass())},
         **unit_table(),
     }
     result: dict[str, Any] = plain(results)
     return result
+
+
+def _in_words(name: str) -> dict[str, str]:
+    return {"label": name.replace("_", " ").capitalize()}
 
 
 def _languages() -> dict[str, Any]:
@@ -271,7 +280,17 @@ def _scenario(path: Path) -> dict[str, Any]:
         },
         "options": options_of(scenario),
         "sweep": scenario.to_dict().get("sweep"),
+        "curves": _curves_of(path.stem),
     }
+
+
+def _curves_of(name: str) -> str | None:
+    """Return the path of the bifurcation curves of a scenario, None without any.
+
+    Variants of a scenario, as ``fig05_push`` of ``fig05``, have the curves of that.
+    """
+    path = CURVES / f"{name.partition('_')[0]}.csv"
+    return path.relative_to(STATIC).as_posix() if path.is_file() else None
 
 
 def _in_si(option: Parameter, value: Any) -> Any:

@@ -175,6 +175,10 @@ RULES = {
         "overlays and points need a map of amplitude ({amplitudes}) and frequency ({frequencies})"
     ),
     "overlay_parameter": Rule("this map does not say its {parameter}, which overlays need"),
+    "other_system": Rule(
+        "this curve is of another system than the map: its {name} is {there}, that of the map "
+        "{here}"
+    ),
     "tongue": Rule(
         "must be below 2 m l w0 for a tongue to exist, got {damping:g} ({ratio:.3g} times that)",
         "use growth_rate for overdamped cases",

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import describe, flattened, suggest
+from latolato.core.parameters import law_parameters
+from latolato.core.registry import suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
@@ -150,12 +151,7 @@ def draw_curve(axes: Axes, grid: xr.Dataset, sides: tuple[str, str], curve: xr.D
         raise InputError(
             "must be 'tongue', 'lift_off' or a result of bifurcation_curve", parameter="overlays"
         )
-    _check_same(grid, sides, curve)
-    if all(side in curve for side in sides):
-        x, y = (curve[side].values for side in sides)
-    else:  # both are of amplitude and frequency, in other units
-        own = Context.of(curve, *map(str, curve.attrs["parameters"]))
-        x, y = Context.of(grid, *sides).place(*own.plain(curve))
+    x, y = places_of(grid, sides, curve)
     limits = axes.get_xlim(), axes.get_ylim()
     ground = [Stroke(linewidth=3.5, foreground=style.PAPER), Normal()]
     handles = draw_over(axes, curve, x, y, path_effects=ground)
@@ -164,22 +160,44 @@ def draw_curve(axes: Axes, grid: xr.Dataset, sides: tuple[str, str], curve: xr.D
     return handles
 
 
+def places_of(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> tuple[Any, Any]:
+    """Return the points of a curve of bifurcations in the coordinates of a map.
+
+    Raises
+    ------
+    InputError
+        If the curve is of another system than the map, or over other parameters.
+    """
+    _check_same(grid, sides, curve)
+    own = [str(name) for name in curve.attrs["parameters"]]
+    if {*sides} == {*own}:
+        return curve[sides[0]].values, curve[sides[1]].values
+    # Both are of amplitude and frequency, in other units.
+    plain = Context.of(curve, *own).plain(curve)
+    return Context.of(grid, *sides).place(*plain)
+
+
 def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> None:
     """Raise InputError if a curve is of another system than a map."""
     varied = {*sides, *map(str, curve.attrs["parameters"])}
     varied |= {DERIVED.get(name, name) for name in varied}
     # The phase of the drive turns motions, and bifurcations with them.
-    laws = {**flattened(describe(system_of(curve))), **flattened(describe(drive_of(curve)))}
-    laws |= {"system": "", "drive": "", "contact": ""}
-    for name in sorted(laws.keys() - varied - {"drive_phase"}):
+    laws = [(system_of(curve), "system"), (drive_of(curve), "drive")]
+    usual = {p.name: p.default for law, owner in laws for p in law_parameters(law, owner)}
+    usual |= {"system": None, "drive": None, "contact": "none"}
+    kinds = ("system", "drive")
+    for name in [*kinds, *sorted(usual.keys() - varied - {*kinds, "drive_phase"})]:
         scalar = name in grid.coords and not grid[name].ndim
-        here = grid[name].item() if scalar else grid.attrs.get(name)
-        there = curve.attrs.get(name, "none" if name == "contact" else None)
+        here = grid[name].item() if scalar else grid.attrs.get(name, usual[name])
+        there = curve.attrs.get(name, usual[name])
         if here != there and not _are_close(here, there):
-            raise InputError(
-                f"is of another system than the map: its {name} is {there}, that of the map {here}",
-                parameter="overlays",
-            )
+            values = {"name": name, "there": _said(there), "here": _said(here)}
+            raise broken_rule("other_system", values)
+
+
+def _said(value: Any) -> str:
+    """Return a value of a parameter as a text."""
+    return f"{value:.9g}" if isinstance(value, (int, float)) else str(value)
 
 
 def _are_close(one: Any, other: Any) -> bool:

@@ -51,6 +51,9 @@ LATE = fig11.LATE
 # Where the swing is found first: the frequency ratio, a start above the wall [rad], and the shakes
 # after which it has settled.
 _BEGIN, _START, _SETTLED = 2.4, 0.8, 400
+# The frequency ratio at which it begins at the middle amplitude, and its angle [rad] and angular
+# velocity [rad/s] there: a guess, of which the curve of the fold begins.
+_FOLD, _AT_FOLD = 1.438, (1.625, 5.96)
 # Up to this frequency ratio its unstable twin is followed.
 _TWIN = 2.6
 # Above the wall, an angle that only a swing reaches [rad].
@@ -84,7 +87,7 @@ def data(quick: bool = False) -> xr.Dataset:
     """Return the map, the curve of the fold, and branches and followed motions at four sets."""
     import xarray as xr
 
-    from latolato import analysis, sweep
+    from latolato import sweep
 
     rows, columns = QUICK_POINTS if quick else POINTS
     axes = {
@@ -105,19 +108,7 @@ def data(quick: bool = False) -> xr.Dataset:
     )  # fmt: skip
     sets = [_swing(amplitude) for amplitude in fig11.AMPLITUDES]
     falling, rising = zip(*sets, strict=True)
-    low, high = zip(AMPLITUDES, fig11.RATIOS, strict=True)
-    middle = fig11.AMPLITUDES.index(fig11.MIDDLE)
-    fold = analysis.bifurcation_curve(
-        paper.COUPLED,
-        _shake(_BEGIN, fig11.MIDDLE),
-        at=falling[middle].special[0],
-        low=low,
-        high=high,
-    )
-    lift = analysis.bifurcation_curve(
-        paper.COUPLED, _shake(2.86, 0.03), kind="lift_off",
-        initial_angle=paper.COUPLED.contact_angle_low, low=low, high=high,
-    )  # fmt: skip
+    fold, lift = curves()
     # From the end of the unstable twin through the fold to fast shakes.
     longest = max(down.sizes["point"] + up.sizes["point"] - 1 for down, up in sets)
 
@@ -155,6 +146,22 @@ def data(quick: bool = False) -> xr.Dataset:
         },
         attrs={"title": TITLE},
     )
+
+
+def curves(largest: float = AMPLITUDES[1]) -> list[xr.Dataset]:
+    """Return the fold at which the swing begins, and lift-off from rest, up to an amplitude [m]."""
+    from latolato import analysis
+
+    low, high = zip((AMPLITUDES[0], largest), fig11.RATIOS, strict=True)
+    fold = analysis.bifurcation_curve(
+        paper.COUPLED, _shake(_FOLD, fig11.MIDDLE), kind="fold", low=low, high=high,
+        initial_angle=_AT_FOLD[0], initial_angular_velocity=_AT_FOLD[1],
+    )  # fmt: skip
+    lift = analysis.bifurcation_curve(
+        paper.COUPLED, _shake(2.86, 0.03), kind="lift_off",
+        initial_angle=paper.COUPLED.contact_angle_low, low=low, high=high,
+    )  # fmt: skip
+    return [fold, lift]
 
 
 def _swing(amplitude: float) -> tuple[xr.Dataset, xr.Dataset]:

@@ -18,6 +18,7 @@ from latolato.app.blocks import pack_files
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import units_of
 from latolato.app.jobs import Job
+from latolato.app.map.curves import read_curves
 from latolato.app.map.stored import (
     MOST_CELLS,
     check_observable,
@@ -53,7 +54,8 @@ def prepare(known: Mapping[str, Path], body: Any) -> Job:
 
     A page sends its `kind`; `stored`, the name of a stored map, or the `options` and the `sweep`
     of its own; `observable` with `ball` and `select`; and how the map looks: `scale`, `log`,
-    `limits`, `xlog`, `ylog`, `contours` (an observable with its `levels`), `overlays`, `trials`.
+    `limits`, `xlog`, `ylog`, `contours` (an observable with its `levels`), `overlays`, `trials`,
+    and `curves`, texts of bifurcation curves.
 
     Raises
     ------
@@ -225,6 +227,11 @@ def _check_look(body: Mapping[str, Any]) -> None:
     overlays, trials = body.get("overlays") or [], body.get("trials")
     if not isinstance(overlays, list) or not all(isinstance(name, str) for name in overlays):
         raise InputError("must be a list of names", parameter="overlays", value=overlays)
+    curves = body.get("curves") or []
+    if not isinstance(curves, list) or not all(map(_is_short, curves)):
+        raise InputError("must be a list of texts of bifurcation curves", parameter="curves")
+    for text in curves:
+        read_curves(text)
     if trials is not None and (not isinstance(trials, str) or len(trials) > MOST_TRIALS):
         raise InputError("must be the text of a trial table", parameter="trials")
     scale = body.get("scale") or SCALES[0]
@@ -253,6 +260,10 @@ def _check_look(body: Mapping[str, Any]) -> None:
         checked_number("a level", value, ANY, "SI")
 
 
+def _is_short(text: Any) -> bool:
+    return isinstance(text, str) and len(text) <= MOST_TRIALS
+
+
 def _write_picture(page_map: PageMap, target: Path, folder: Path) -> None:
     """Write the picture of a map as the page shows it."""
     from latolato.figures.style import save_figure
@@ -263,7 +274,9 @@ def _write_picture(page_map: PageMap, target: Path, folder: Path) -> None:
         points.write_text(request["trials"], encoding="utf-8")
     drawing = page_map.drawing(request["observable"], request.get("ball"))
     drawing.log = bool(request.get("log")) and not drawing.classes
-    figure = drawing.map(request.get("overlays") or [], points, _look(page_map))
+    curves = [curve for text in request.get("curves") or [] for curve in read_curves(text)]
+    over = [*(request.get("overlays") or []), *curves]
+    figure = drawing.map(over, points, _look(page_map))
     save_figure(figure, target, dpi=PICTURE_DPI)
 
 

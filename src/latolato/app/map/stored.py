@@ -178,7 +178,7 @@ def _laws(path: Path, taken: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
         for name in axis.parameters
         if name in taken.coords and not taken[name].dims
     }
-    own = {p.name for p in law_parameters(plan.system, "system") if p.is_number}
+    own = {p.name for p in law_parameters(plan.system, "system")}
     sets, streams = {}, {}
     for which, side in zip(("y", "x"), drawing.sides, strict=True):
         order = np.argsort(values_along(taken, side.dim), kind="stable")
@@ -203,8 +203,12 @@ def _laws(path: Path, taken: xr.Dataset, drawing: Drawing) -> dict[str, Any]:
         for name, value in {**taken.attrs, **fixed}.items()
         if name in own and isinstance(value, (int, float, np.number))
     }
+    about = {"system", "drive", "contact"} | own
+    about |= {p.name for p in law_parameters(plan.drive, "drive")}
+    laws = {n: v for n, v in {**taken.attrs, **fixed}.items() if n in about}
     return {
         "parameters": number,
+        "laws": laws,
         "has_contact": taken.attrs.get("contact", "none") != "none",
         "stored": {
             "options": _options(plan) if alone else None,

@@ -37,6 +37,15 @@ export function loadJson(path) {
 }
 
 /**
+ * The content of a text file, which is loaded once.
+ * @param {string} path
+ * @returns {Promise<string>}
+ */
+export function loadText(path) {
+  return once(path, async () => (await contentOf(path)).text());
+}
+
+/**
  * The layout of the modules: what they contain, and its place in their memory.
  * @returns {Promise<Layout>}
  */

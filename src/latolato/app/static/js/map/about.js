@@ -28,7 +28,8 @@ export function beginOf(question) {
   return {
     about: { x, y, observable: shown, title, statuses: layout.statuses.map((name) => name.replaceAll("_", " ")),
       variables: variablesOf(layout, plan).map((each) => variableOf(question, each)),
-      parameters, has_contact: contacts && options.contact !== "none",
+      parameters, laws: { ...options, contact: contacts ? options.contact ?? "exact" : "none" },
+      has_contact: contacts && options.contact !== "none",
       python: sweepLines(question), command: sweepCommand(question) },
     arrays: { ...along, x_edges: edgesOf(along.x, question.x.log), y_edges: edgesOf(along.y, question.y.log) },
     optionsOf: (cell) => optionsOfCell(question, cell),

@@ -22,7 +22,7 @@ export const PAGE = "page";
 const TAKEN = "map.at_";
 const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "duration", "transient", "low", "high"];
 const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];
-const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored", "at"];
+const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored", "at", "off"];
 
 /**
  * The source of a map's parameters: a stored map, a shipped sweep, or the page.

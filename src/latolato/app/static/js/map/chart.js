@@ -7,7 +7,7 @@ import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
-import { drawCross, drawLine, drawTrials } from "./marks.js";
+import { drawCross, drawCurve, drawLine, drawTrials } from "./marks.js";
 import { classesOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -34,6 +34,8 @@ export class MapChart {
     this.look = { variable: 0, scale: "viridis", log: false, limits: [0, 1] };
     /** @type {ChartLine[]} */
     this.lines = [];
+    /** @type {import("./curves.js").PlacedCurve[]} of bifurcations */
+    this.curves = [];
     /** @type {Contour[]} */
     this.contours = [];
     /** @type {Trials | null} */
@@ -197,6 +199,7 @@ export class MapChart {
     const drawValues = this.contours.length
       ? drawContours(this, context, this.contours, ratio) : () => {};
     for (const each of this.lines) drawLine(this, context, each, ratio);
+    for (const each of this.curves) drawCurve(this, context, each, ratio);
     drawValues();
     if (this.trials) drawTrials(this, context, this.trials, ratio);
     if (this.cross) drawCross(this, context, this.cross, ratio);

@@ -18,9 +18,9 @@ export class MapControls {
   /**
    * @param {any} registry
    * @param {Store} store
-   * @param {(text: string | null) => void} trials called with the text of a trial table
+   * @param {(texts: string[]) => void} files called with the texts of tables of trials and of curves
    */
-  constructor(registry, store, trials) {
+  constructor(registry, store, files) {
     this.registry = registry;
     this.store = store;
     /** @type {string[]} */
@@ -63,7 +63,7 @@ export class MapControls {
     /** @type {[number, number]} values of the darkest and the brightest colour on show */
     this.limits = [0, 1];
     this.log.box.setAttribute("aria-label", t("mapLogColours"));
-    this.over = new OverControls(registry, set, trials);
+    this.over = new OverControls(registry, set, files);
     this.top = el("div", { class: "source" }, this.source.root,
       el("p", { class: "hint" }, t("mapIntro")), this.about);
     this.root = el("div", { class: "form" },

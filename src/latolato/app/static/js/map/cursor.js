@@ -7,6 +7,7 @@ import { Preview } from "../player/preview.js";
 import { inPagesWords } from "../page/refusals.js";
 import { Runner } from "../player/runner.js";
 import { t } from "../strings.js";
+import { curveText, orbitOptions } from "./curves.js";
 import { cellText, withName } from "./texts.js";
 
 // Beyond it, a run that is computed is announced.
@@ -20,6 +21,8 @@ export class Cursor {
   constructor(view, readout) {
     this.view = view;
     this.readout = readout;
+    /** @type {import("./curves.js").CurvePoint | null} the point of a curve under the cross */
+    this.orbit = null;
   }
 
   /**
@@ -30,8 +33,53 @@ export class Cursor {
     const { grid, chart } = this.view;
     const place = at ?? chart.cross;
     const cell = place && grid ? chart.cell(...place) : -1;
+    const point = at ? this.view.over.pointAt(at) : this.shownOrbit();
     this.readout.textContent = !grid || cell < 0 ? t("mapHoverHint")
-      : cellText(grid, cell, chart.look.variable);
+      : point ? curveText(this.view.page.registry, point) : cellText(grid, cell, chart.look.variable);
+  }
+
+  /** The point of a curve under the cross, null where that is on a cell or the curve is not on show. */
+  shownOrbit() {
+    return this.orbit && this.view.over.shownCurves().includes(this.orbit.curve) ? this.orbit : null;
+  }
+
+  /**
+   * Show the orbit of the curve that is here, or else the run of the cell.
+   * @param {number} x
+   * @param {number} y
+   */
+  async pick(x, y) {
+    const point = this.view.over.pointAt([x, y]);
+    if (point) this.putOn(point);
+    else this.put(x, y);
+    await this.run();
+  }
+
+  /**
+   * Put the cross on the nearest point of a curve, or from such a point on the next one, and show its orbit.
+   * @param {number} by 1 or -1
+   */
+  async stepOnCurve(by) {
+    const { chart, over } = this.view;
+    const point = this.shownOrbit();
+    const first = chart.cross && over.pointAt(chart.cross, Infinity);
+    if (!point && !first) return;
+    const { curve, i } = /** @type {import("./curves.js").CurvePoint} */ (point ?? first);
+    const next = i + (point ? by : 0);
+    if (!(chart.cell(curve.xs[next], curve.ys[next]) >= 0)) return;
+    this.putOn({ curve, i: next });
+    await this.run();
+  }
+
+  /**
+   * Put the cross on a point of a curve.
+   * @param {import("./curves.js").CurvePoint} point
+   */
+  putOn({ curve, i }) {
+    this.orbit = { curve, i };
+    this.view.chart.cross = [curve.xs[i], curve.ys[i]];
+    this.view.chart.draw();
+    this.describe();
   }
 
   /**
@@ -43,6 +91,7 @@ export class Cursor {
     const { grid, chart } = this.view;
     const cell = chart.cell(x, y);
     if (!grid || cell < 0) return;
+    this.orbit = null;
     const column = cell % grid.width;
     chart.cross = [grid.x[column], grid.y[(cell - column) / grid.width]];
     chart.draw();
@@ -53,6 +102,7 @@ export class Cursor {
   restore() {
     const { chart, page, point } = this.view;
     const at = (page.store.state.extra["map.at"] ?? "").split(",").map(Number);
+    this.orbit = null;
     const inside = at.length === 2 && chart.cell(at[0], at[1]) >= 0;
     chart.cross = inside ? [at[0], at[1]] : null;
     if (chart.cross && !point.options) void this.run();
@@ -87,9 +137,19 @@ export class Cursor {
    */
   async run(chosen = true) {
     const { grid, chart, page, point } = this.view;
+    const orbit = this.shownOrbit();
+    // The cross may lie on a curve that has been switched off.
+    if (this.orbit && !orbit && chart.cross) this.put(...chart.cross);
     const { cross } = chart;
     if (!cross || !grid) return;
     const { store } = page;
+    if (orbit) {
+      // The address names cells only.
+      const { "map.at": _, ...extra } = store.state.extra;
+      store.amend({ extra });
+      await point.run(() => orbitOptions(page.registry, orbit), curveText(page.registry, orbit), chosen);
+      return;
+    }
     if (chosen) store.amend({ extra: { ...store.state.extra, "map.at": cross.join(",") } });
     const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
     const optionsOf = /** @type {(cell: number) => Record<string, any>} */ (grid.optionsOf);

@@ -128,5 +128,6 @@ function fileRequestOf({ chart, over, page, question, request }, grid) {
   return { ...map, xlog: grid.xAxis.log, ylog: grid.yAxis.log, observable: name, ball, scale, log, limits,
     contours: contoured && levels.length
       ? { observable: contoured.name, ball: contoured.ball, levels } : null,
-    overlays: over.shown().map((line) => line.name), trials: over.trials };
+    overlays: over.shown().map((line) => line.name), trials: over.trials,
+    curves: over.shownCurves().map((curve) => curve.text) };
 }

@@ -5,10 +5,11 @@ import { before } from "../player/motion.js";
 
 /**
  * What a map begins with: what it is of, and the middles and borders of its cells. Of `about`,
- * `parameters` are those of the system that do not vary [SI], by their names.
+ * `parameters` are those of the system that do not vary [SI], by their names, and `laws` all that
+ * system and drive are of.
  * @typedef {{about: {x: Axis & {log: boolean}, y: Axis & {log: boolean}, observable: string, title: string,
  *   statuses: string[], variables: Variable[], parameters: Record<string, number>,
- *   has_contact: boolean, python: string, command: string, stored?: Stored},
+ *   laws: Record<string, any>, has_contact: boolean, python: string, command: string, stored?: Stored},
  *   arrays: Record<"x" | "y" | "x_edges" | "y_edges", Float64Array>,
  *   optionsOf?: (cell: number) => Record<string, any>}} Begin
  *

@@ -8,6 +8,18 @@ import { outline } from "../player/strokes.js";
 /** @typedef {import("./chart.js").Trials} Trials */
 
 const MARK = 5.5;
+// A curve of bifurcations has its colour on white on black: one of them shows on any cells.
+const DARK = "#1f2430";
+const LIGHT = "#ffffff";
+// Corners of the marks of special points by matplotlib's names of them; others are dots.
+/** @type {Record<string, number[][]>} */
+const CORNERS = {
+  v: [[0, 1], [-1, -0.8], [1, -0.8]], "^": [[0, -1], [1, 0.8], [-1, 0.8]],
+  s: [[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]], D: [[0, -1.2], [1.2, 0], [0, 1.2], [-1.2, 0]],
+  p: [[0, -1.1], [1.05, -0.34], [0.65, 0.89], [-0.65, 0.89], [-1.05, -0.34]],
+  X: [[-1, -0.5], [-0.5, -1], [0, -0.5], [0.5, -1], [1, -0.5], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5],
+    [-0.5, 1], [-1, 0.5], [-0.5, 0]],
+};
 
 /**
  * Draw a curve that shows on dark and on light cells.
@@ -17,10 +29,56 @@ const MARK = 5.5;
  * @param {number} ratio
  */
 export function drawLine(chart, context, { xs, ys, dashed }, ratio) {
-  const { top, height } = chart.frame();
   const path = new Path2D();
+  addLine(chart, path, xs, ys, 0, xs.length);
+  outline(context, path, [DARK, 3.6 * ratio], [LIGHT, 1.8 * ratio, dashed ? [7 * ratio, 4 * ratio] : []]);
+}
+
+/**
+ * Draw a curve of bifurcations: solid where stable motions end, dashed elsewhere, with its special points.
+ * @param {MapChart} chart
+ * @param {CanvasRenderingContext2D} context
+ * @param {import("./curves.js").PlacedCurve} curve
+ * @param {number} ratio
+ */
+export function drawCurve(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {
+  const [solid, dashed] = [new Path2D(), new Path2D()];
+  for (let begin = 0; begin < edges.length;) {
+    let end = begin + 1;
+    while (end < edges.length && edges[end] === edges[begin]) end += 1;
+    // A piece reaches to the first point of the next one, so that no gap is left.
+    addLine(chart, edges[begin] ? solid : dashed, xs, ys, begin, Math.min(end + 1, xs.length));
+    begin = end;
+  }
+  for (const path of [solid, dashed]) outline(context, path, [DARK, 5.6 * ratio], [LIGHT, 4.2 * ratio]);
+  outline(context, solid, [paint, 2.4 * ratio]);
+  outline(context, dashed, [paint, 2.4 * ratio, [6 * ratio, 4 * ratio]]);
+  for (const { x, y, mark } of marks) {
+    const [left, top] = chart.place(x, y);
+    const path = new Path2D();
+    if (!CORNERS[mark]) path.arc(left, top, MARK * ratio, 0, 2 * Math.PI);
+    CORNERS[mark]?.forEach(([dx, dy], i) =>
+      path[i ? "lineTo" : "moveTo"](left + dx * MARK * ratio, top + dy * MARK * ratio));
+    path.closePath();
+    outline(context, path, [DARK, 4 * ratio], [LIGHT, 2.6 * ratio]);
+    context.fillStyle = paint;
+    context.fill(path);
+  }
+}
+
+/**
+ * Add points of a line to a path.
+ * @param {MapChart} chart
+ * @param {Path2D} path
+ * @param {ArrayLike<number>} xs
+ * @param {ArrayLike<number>} ys
+ * @param {number} begin
+ * @param {number} end
+ */
+function addLine(chart, path, xs, ys, begin, end) {
+  const { top, height } = chart.frame();
   let open = false;
-  for (let i = 0; i < xs.length; i += 1) {
+  for (let i = begin; i < end; i += 1) {
     const [x, y] = chart.place(xs[i], ys[i]);
     // Browsers do not dash what reaches far beyond the picture.
     if (!Number.isFinite(x + y) || Math.abs(y - top) > 3 * height) open = false;
@@ -30,8 +88,6 @@ export function drawLine(chart, context, { xs, ys, dashed }, ratio) {
       open = true;
     }
   }
-  outline(context, path, ["#1f2430", 3.6 * ratio],
-    ["#ffffff", 1.8 * ratio, dashed ? [7 * ratio, 4 * ratio] : []]);
 }
 
 /**

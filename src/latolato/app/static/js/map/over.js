@@ -1,8 +1,10 @@
-/** What is drawn over a map: curves of theory, trials, contour lines. */
+/** What is drawn over a map: curves of theory and of bifurcations, trials, contour lines. */
 
 import { InputError } from "../model/rules.js";
 import { inPagesWords } from "../page/refusals.js";
+import { loadText } from "../kernels/load.js";
 import { lookOf } from "./colours.js";
+import { holdsCurves, parseCurves, placedCurve, pointNear } from "./curves.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { OF_COLOURS } from "./overcontrols.js";
 import { withUnit } from "./texts.js";
@@ -21,6 +23,10 @@ import { t } from "../strings.js";
 
 /** Names of the address that switch a curve off. */
 const SWITCHES = { tongue: "map.tongue", lift_off: "map.lift" };
+/** The name of the address that lists the bifurcation curves that are switched off. */
+const OFF = "map.off";
+// A click this near to a curve is one on it.
+const NEAR = 8; // pixels of the page
 
 /** What lies over the map of a view. */
 export class Over {
@@ -31,6 +37,12 @@ export class Over {
     this.lines = [];
     /** @type {string | null} text of a trial table */
     this.trials = null;
+    /** @type {string[]} texts of bifurcation curves from files */
+    this.files = [];
+    /** @type {import("./curves.js").PlacedCurve[]} bifurcation curves over the map on show */
+    this.curves = [];
+    /** @type {Map<string, string>} texts of shipped curves, by their paths */
+    this.shipped = new Map();
     /** @type {Grid | null} the map whose contour lines are drawn, and what was asked of it */
     this.drawnOn = null;
     this.drawn = "";
@@ -61,6 +73,76 @@ export class Over {
       placedTrials(parseTrials(view.page.registry, trials), placing), refused);
     if (placed) view.chart.trials = placed.trials;
     over.showTrials(placed || null, refused);
+    this.placeCurves(grid);
+  }
+
+  /**
+   * Take what files hold: bifurcation curves, and of trials the last table.
+   * @param {string[]} texts
+   */
+  take(texts) {
+    this.files = texts.filter(holdsCurves);
+    this.trials = texts.findLast((text) => !holdsCurves(text)) ?? null;
+    this.place();
+    this.view.repaint();
+  }
+
+  /**
+   * Place the curves of the map's scenario, of an analysis and of files.
+   * @param {Grid} grid
+   */
+  placeCurves(grid) {
+    const { page, controls, request } = this.view;
+    const path = page.registry.scenarios[request.scenario]?.curves;
+    if (path && !this.shipped.has(path)) void this.load(path);
+    /** @type {string[]} */
+    const notes = [];
+    /** @type {Record<string, number>} */
+    const counts = {};
+    this.curves = [this.shipped.get(path) ?? "", ...page.curves ?? [], ...this.files].flatMap((text) =>
+      this.attempt(() => parseCurves(text), notes) ?? []).flatMap((curve) => {
+      const placed = this.attempt(() => placedCurve(page.registry, curve, grid), notes);
+      if (!placed) return [];
+      const count = counts[curve.kind] = (counts[curve.kind] ?? 0) + 1;
+      return [{ ...placed, name: count > 1 ? `${curve.kind}_${count}` : curve.kind,
+        label: count > 1 ? `${placed.label} ${count}` : placed.label }];
+    });
+    controls.over.showBifurcations(this.curves, [...new Set(notes)], () => this.off());
+  }
+
+  /** @param {string} path of curves that come with the map's scenario */
+  async load(path) {
+    this.shipped.set(path, "");
+    try {
+      this.shipped.set(path, await loadText(path));
+    } catch (error) {
+      if (!(error instanceof Error)) throw error;
+      // Without a network there are none; the next map asks again.
+      this.shipped.delete(path);
+      return;
+    }
+    this.place();
+    this.view.repaint();
+  }
+
+  /** Return the names of the bifurcation curves that are switched off. */
+  off() {
+    return (this.view.page.store.state.extra[OFF] ?? "").split(",").filter(Boolean);
+  }
+
+  /** Return the bifurcation curves that are switched on. */
+  shownCurves() {
+    const off = this.off();
+    return this.curves.filter(({ name }) => !off.includes(name));
+  }
+
+  /**
+   * Return the point of a bifurcation curve at a place of the map, null if no curve is there.
+   * @param {[number, number]} at
+   * @param {number} [most] how far it may be, in pixels of the page
+   */
+  pointAt(at, most = NEAR) {
+    return pointNear(this.view.chart, this.shownCurves(), at, most * (window.devicePixelRatio || 1));
   }
 
   /**

@@ -21,10 +21,11 @@ export class OverControls {
   /**
    * @param {Registry} registry
    * @param {(values: Record<string, any>) => void} keep keeps values in the address
-   * @param {(text: string | null) => void} trials called with the text of a trial table
+   * @param {(texts: string[]) => void} files called with the texts of tables of trials and of curves
    */
-  constructor(registry, keep, trials) {
+  constructor(registry, keep, files) {
     this.registry = registry;
+    this.keep = keep;
     /** What contour lines are drawn of. @type {Shown} */
     this.quantity = { unit: "1", units: [] };
     this.contours = choice(t("mapContours"), (v) => {
@@ -42,15 +43,16 @@ export class OverControls {
     this.tongue = tick(t("mapTongue"), (on) => keep({ tongue: on ? null : 0 }));
     this.lift = tick(t("mapLift"), (on) => keep({ lift: on ? null : 0 }));
     this.note = el("p", { class: "hint" });
-    const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials",
-      on: { change: async () => {
-        const [chosen] = file.files ?? [];
-        trials(chosen ? await chosen.text() : null);
-      } } });
+    this.curves = el("div", { class: "fields" });
+    this.curveNote = el("p", { class: "hint", role: "status" });
+    /** @type {[string, HTMLInputElement][]} the boxes of bifurcation curves by their names */
+    this.boxes = [];
+    const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials", multiple: true,
+      on: { change: async () => files(await Promise.all(Array.from(file.files ?? [], (each) => each.text()))) } });
     this.file = file;
     this.trialNote = el("p", { class: "hint", role: "status" });
     this.parts = [this.contours.root, this.levelBox, this.contourNote, this.tongue.root,
-      this.lift.root, this.note,
+      this.lift.root, this.note, this.curves, this.curveNote,
       el("div", { class: "field preset" }, el("label", { for: "map-trials" }, t("mapTrials")),
         el("p", { class: "hint" }, t("mapTrialsHint")), file), this.trialNote];
   }
@@ -69,8 +71,9 @@ export class OverControls {
    * Show what contour lines there may be of a map, and what is switched on.
    * @param {Grid} grid
    * @param {Record<string, string>} extra
+   * @param {string[]} off names of bifurcation curves that are switched off
    */
-  showChoices(grid, extra) {
+  showChoices(grid, extra, off) {
     const names = new Map(grid.variables.filter((v) => !v.classes.length)
       .map((v) => [v.name, v.label]));
     const chosen = extra["map.contours"] ?? "";
@@ -81,6 +84,7 @@ export class OverControls {
     this.levelBox.hidden = this.contourNote.hidden = !this.contours.select.value;
     this.tongue.box.checked = extra["map.tongue"] !== "0";
     this.lift.box.checked = extra["map.lift"] !== "0";
+    for (const [name, box] of this.boxes) box.checked = !off.includes(name);
     const levels = extra["map.levels"];
     if (document.activeElement !== this.levels && this.problem.line.hidden)
       this.levels.value = levels ? this.text(levels) : "";
@@ -129,6 +133,23 @@ export class OverControls {
     this.tongue.box.disabled = !lines.some(({ name }) => name === "tongue");
     this.lift.box.disabled = !lines.some(({ name }) => name === "lift_off");
     this.note.textContent = notes.join(" ");
+  }
+
+  /**
+   * Show which bifurcation curves there are, and why others are not.
+   * @param {import("./curves.js").PlacedCurve[]} curves
+   * @param {string[]} notes
+   * @param {() => string[]} off returns the names of those that are switched off
+   */
+  showBifurcations(curves, notes, off) {
+    const made = curves.map(({ name, label, xs }) => ({ name, ...tick(
+      t("mapCurve", { label, points: xs.length }), (on) => {
+        const others = off().filter((each) => each !== name);
+        this.keep({ off: (on ? others : [...others, name]).join(",") || null });
+      }) }));
+    this.boxes = made.map(({ name, box }) => [name, box]);
+    this.curves.replaceChildren(...made.map(({ root }) => root));
+    this.curveNote.textContent = [...(curves.length ? [t("mapCurvesHint")] : []), ...notes].join(" ");
   }
 
   /**

@@ -8,7 +8,7 @@ import { followKeys } from "../page/keys.js";
  * @typedef {{hover: (at: [number, number] | null) => void, pick: (x: number, y: number) => void,
  *   box: (box: ChartBox) => void, pan: (columns: number, rows: number) => void, back: () => void,
  *   scale: (by: number) => void, step: (columns: number, rows: number) => void,
- *   enter: () => void}} PointerListener
+ *   enter: () => void, curve: (by: number) => void}} PointerListener
  */
 
 // A press that moves less is a click.
@@ -90,6 +90,8 @@ export function followHand(root, chart, listener, panning) {
   const actions = {
     ...Object.fromEntries(Object.keys(WAYS).map((key) => [key, { text: "keyCross", act: move }])),
     Enter: { text: "keyRun", act: () => listener.enter() },
+    c: { text: "keyCurve", act: () => listener.curve(1) },
+    C: { text: "keyCurve", act: () => listener.curve(-1) },
     "+": { text: "keyZoomIn", act: () => listener.scale(0.5) },
     "=": { text: "keyZoomIn", act: () => listener.scale(0.5) },
     "-": { text: "keyZoomOut", act: () => listener.scale(2) },

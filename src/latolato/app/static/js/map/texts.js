@@ -2,13 +2,16 @@
 
 import { el } from "../page/dom.js";
 import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { sizeOf } from "./axes.js";
 import { classesOf, wordOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
 
+// Of special points of curves, by matplotlib's names of their marks.
+/** @type {Record<string, string>} */
+const MARKS = { v: "▼", s: "■", D: "◆", p: "⬟", o: "●", "^": "▲", X: "✖" };
 const TRIALS = { none: "●", weak: "▲", strong: "◆" };
 
 // Lines do not break here.
@@ -55,15 +58,23 @@ export function cellText(grid, cell, k) {
 }
 
 /**
+ * Return what a part of a curve is.
+ * @param {string} label of the kind
+ * @param {boolean} isEdge whether stable motions end there
+ */
+export function kindText(label, isEdge) {
+  return isEdge ? label : t("mapUnstable", { label });
+}
+
+/**
  * Return the entries that explain colours of classes, cells without an answer, zeros, curves,
  * trials and contour lines.
  * @param {Grid} grid
  * @param {import("./chart.js").Look} look
- * @param {{name: string}[]} lines
- * @param {boolean} trials
- * @param {Variable | null} contours
+ * @param {{lines: {name: string}[], curves: import("./curves.js").PlacedCurve[], trials: boolean,
+ *   contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
  */
-export function legend(grid, { variable: k, log }, lines, trials, contours) {
+export function legend(grid, { variable: k, log }, { lines, curves, trials, contours, registry }) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
     const key = el("span", { class: "swatch" });
     key.style.background = paint;
@@ -77,6 +88,15 @@ export function legend(grid, { variable: k, log }, lines, trials, contours) {
     ...(zeros ? [entry(t("mapZero", { count: zeros }), "var(--paper)")] : []),
     ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
       t(name === "tongue" ? "mapTongue" : "mapLift"))),
+    ...curves.flatMap((curve) => [true, false].filter((isEdge) => curve.edges.includes(isEdge)).map((isEdge) => {
+      const key = el("span", { class: "curve-key bifurcation" });
+      key.style.borderTopColor = curve.colour;
+      key.style.borderTopStyle = isEdge ? "solid" : "dashed";
+      return el("li", {}, key, kindText(curve.label, isEdge));
+    })),
+    ...[...new Set(curves.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
+      el("span", { class: "trial", "aria-hidden": "true" }, MARKS[registry.curves.marks[kind]?.mark] ?? "●"),
+      tr(registry.curves.marks[kind]?.label ?? kind))),
     ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),
       t("mapContoursOf", { what: contours.label }))] : []),
     ...Object.entries(trials ? TRIALS : {}).map(([name, mark]) => el("li", {},

@@ -68,6 +68,20 @@ export class Placing {
     return [along[this.x], along[this.y]];
   }
 
+  /**
+   * Return the drive at values along both axes.
+   * @param {Record<string, number>} values by the names of the axes
+   * @returns {TheoryDrive}
+   */
+  plain(values) {
+    const frequency = values.drive_frequency ?? values.frequency_ratio * this.naturalFrequency;
+    const amplitude = values.drive_amplitude
+      ?? (values.amplitude_ratio === undefined
+        ? values.drive_acceleration_ratio * this.gravity / frequency ** 2
+        : values.amplitude_ratio * this.length);
+    return { amplitude, frequency };
+  }
+
   /** Return the least and the largest frequency of the map [rad/s], above zero. */
   frequencies() {
     const { drive_frequency, frequency_ratio } = this.spans;

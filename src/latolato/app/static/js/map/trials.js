@@ -13,7 +13,7 @@ import { t } from "../strings.js";
 // By the number that sweeps give them.
 const CLASSES = ["none", "weak", "strong"];
 // Ends of lines as Python knows them.
-const LINE_END = /\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]/;
+export const LINE_END = /\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]/;
 
 /**
  * Return the trials of a table in the coordinates of a map, and how many lie outside of it.
@@ -131,7 +131,7 @@ function numbersOf(registry, name, cells, unit) {
  * @param {string[]} lines
  * @returns {Map<string, string[]>}
  */
-function columnsOf(lines) {
+export function columnsOf(lines) {
   const [names, ...rows] = rowsOf(lines);
   if (!names) throw brokenRule("columns");
   rows.forEach((row, i) => {

@@ -59,11 +59,7 @@ export class MapView {
     this.shown = false;
     this.over = new Over(this);
     this.travel = new Travel(this);
-    this.controls = new MapControls(page.registry, page.store, (text) => {
-      this.over.trials = text;
-      this.over.place();
-      this.repaint();
-    });
+    this.controls = new MapControls(page.registry, page.store, (texts) => this.over.take(texts));
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
     this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
@@ -97,11 +93,11 @@ export class MapView {
     this.cursor = new Cursor(this, readout);
     const keys = followHand(this.field, this.chart, {
       hover: (at) => this.cursor.describe(at),
-      pick: (x, y) => { this.cursor.put(x, y); void this.cursor.run(); },
+      pick: (x, y) => void this.cursor.pick(x, y),
       box: (box) => this.travel.zoom(box),
       pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
       step: (columns, rows) => this.cursor.step(columns, rows),
-      enter: () => void this.cursor.run(),
+      enter: () => void this.cursor.run(), curve: (by) => void this.cursor.stepOnCurve(by),
     }, () => this.tools.panning);
     this.keys = new KeyList(() => [{ title: t("keysHere"), actions: { ...keys, ...this.help } }]);
     /** @type {import("../page/keys.js").KeyActions} */
@@ -342,13 +338,14 @@ export class MapView {
     const variable = grid.variables[look.variable];
     chart.look = look;
     chart.lines = this.over.shown();
+    chart.curves = this.over.shownCurves();
     this.controls.showLook(grid, look);
-    this.controls.over.showChoices(grid, extra);
+    this.controls.over.showChoices(grid, extra, this.over.off());
     this.bar.canvas.hidden = variable.classes.length > 0;
     this.barTitle.textContent = axisLabel(variable);
     this.bar.show(look, sizeOf(variable));
-    this.classes.replaceChildren(...legend(grid, look, this.over.shown(),
-      chart.trials !== null, contourVariable(grid, extra)));
+    this.classes.replaceChildren(...legend(grid, look, { lines: this.over.shown(), curves: chart.curves,
+      trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.describe();
     this.over.contours();

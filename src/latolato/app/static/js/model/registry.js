@@ -36,7 +36,8 @@
  *   scale: string, words: import("../map/words.js").Words}>}} Observable
  *
  * @typedef {{title: string, question: string, description: string, figure: string, given: Record<string, any>,
- *   options: Record<string, any>, sweep: any}} Preset
+ *   options: Record<string, any>, sweep: any, curves?: string | null}} Preset `curves` is the path of the
+ *   bifurcation curves over its map
  *
  * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, DriveLaw>,
  *   contact_laws: Record<string, Law>, options: Record<string, Option>,
@@ -46,6 +47,7 @@
  *   ratios: Record<string, string>, alternatives: string[][], rules: Record<string, import("./rules.js").Rule>,
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},
  *   units: Record<string, [number, Record<string, number>]>, prefixes: Record<string, number>,
+ *   curves: {kinds: Record<string, {label: string, colour: string}>, marks: Record<string, {label: string, mark: string}>},
  *   languages: Record<string, {name: string, beta: boolean}>, server: boolean, docs?: boolean, report?: boolean, upright?: boolean}} Registry
  *
  * Cells of notebooks have a registry that is `upright`: they lack the modules of the plane.

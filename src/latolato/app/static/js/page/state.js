@@ -10,8 +10,8 @@
 
 /**
  * What all views are given: the server's registry, the state that they share, and the messages that
- * stand on the stage of the view on show.
- * @typedef {{registry: any, store: import("./history.js").AddressStore,
+ * stand on the stage of the view on show. `curves` are texts of bifurcation curves that an analysis found.
+ * @typedef {{curves?: string[], registry: any, store: import("./history.js").AddressStore,
  *   messages: import("./messages.js").Messages}} Page
  */
 

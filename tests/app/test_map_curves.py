@@ -1,0 +1,193 @@
+"""Bifurcation curves over maps: those that are shipped, those of files, and the motions on them."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from latolato.app import CURVES
+from latolato.app.blocks import unpack
+from latolato.app.forms import registry
+from latolato.app.map import curves, files
+from latolato.core.errors import InputError
+
+PATIENCE = 240_000
+FIG11 = "&map.scenario=fig11&map.size=16&map.duration=10&map.transient=5"
+SHIPPED = (CURVES / "fig11.csv").read_text(encoding="utf-8")
+
+
+def open_map(page, query=FIG11):
+    page.goto(f"/?view=map{query}")
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+
+
+def wait_for_curves(page, count):
+    page.wait_for_function(
+        "(n) => window.latolato.views.map.chart.curves.length === n", arg=count, timeout=PATIENCE
+    )
+
+
+def test_shipped_curves_are_what_their_makers_give(tmp_path):
+    assert {path.stem for path in CURVES.glob("*")} == set(curves.SHIPPED)
+    for path in curves.write_shipped(tmp_path):
+        pairs = [
+            curves.read_curves((folder / path.name).read_text(encoding="utf-8"))
+            for folder in (CURVES, tmp_path)
+        ]
+        for kept, made in zip(*pairs, strict=True):
+            versions = ("latolato_version", "numpy_version")
+            labels = [{k: v for k, v in c.attrs.items() if k not in versions} for c in (kept, made)]
+            assert labels[0] == labels[1]
+            assert kept.sizes == made.sizes
+            for name, variable in made.data_vars.items():
+                if name == "multiplier_imaginary" or variable.dtype.kind != "f":
+                    np.testing.assert_array_equal(kept[name], variable)
+                else:
+                    # Places are solved to 1e-10; the multipliers have the root of that at a fold.
+                    np.testing.assert_allclose(kept[name], variable, rtol=1e-5, atol=1e-7)
+
+
+def test_scenarios_of_maps_name_the_files_of_their_curves():
+    named = {name: each["curves"] for name, each in registry()["scenarios"].items()}
+    assert named["fig11"] == "curves/fig11.csv"
+    assert {f"curves/{name}.csv" for name in curves.SHIPPED} == {*named.values()} - {None}
+
+
+@pytest.mark.parametrize(
+    "text, words",
+    [
+        ("", "it has no labels"),
+        ("# analysis: tongues\n", "it is a result of tongues"),
+        ("# analysis: bifurcation_curve\n", "'parameters'"),
+    ],
+)
+def test_what_holds_no_curve_is_refused(text, words):
+    with pytest.raises(InputError, match=f"curves holds no bifurcation curve: {words}"):
+        curves.read_curves(text)
+    with pytest.raises(InputError, match="curves holds no"):
+        files.prepare({}, {"kind": "svg", "observable": "mean_energy", "curves": [text]})
+
+
+def test_a_picture_of_a_map_has_its_bifurcation_curves(tmp_path):
+    options = registry()["scenarios"]["fig11"]["options"]
+    request = {
+        "kind": "svg", "observable": "largest_angle", "curves": [SHIPPED],
+        "options": {k: v for k, v in options.items() if v is not None} | {"duration": 2.0,
+                    "drive": "harmonic", "drive_amplitude": 0.02, "drive_frequency": 12.0},
+        "sweep": {"axes": {"amplitude_ratio": [0.05, 0.1], "frequency_ratio": [1.6, 3.6]},
+                  "observables": [{"kind": "largest_angle"}]},
+    }  # fmt: skip
+    job = files.prepare({}, request)
+    about = files.compute(job.request, tmp_path, lambda share: None)
+    _, arrays = unpack(job.finish(about, tmp_path))
+    text = arrays["file"].tobytes().decode()
+    for words in ("fold", "lift off"):
+        assert f">{words}</text>" in text
+
+
+def test_a_click_on_a_curve_opens_its_orbit_in_toy(page):
+    open_map(page)
+    wait_for_curves(page, 2)
+    # A point of the fold, clicked a few pixels beside it.
+    spot = page.evaluate(
+        """() => {
+          const { chart } = window.latolato.views.map;
+          const fold = chart.curves.find(({ name }) => name === "fold");
+          const i = fold.xs.findIndex((x) => x > 1.7);
+          const [x, y] = chart.place(fold.xs[i], fold.ys[i]);
+          const box = chart.canvas.getBoundingClientRect();
+          const zoom = chart.canvas.width / box.width;
+          return { left: box.left + x / zoom + 3, top: box.top + y / zoom,
+            ratio: fold.xs[i], angle: fold.largest[i] };
+        }"""
+    )
+    page.mouse.move(spot["left"], spot["top"])
+    page.get_by_text("Fold · ω/ω₀ = ").first.wait_for()
+    page.mouse.click(spot["left"], spot["top"])
+    said = page.locator(".map-readout").inner_text()
+    assert f"{spot['ratio']:.4g}" in said
+    assert said.endswith(f"contact word: B · largest angle: {np.degrees(spot['angle']):.4g}°")
+    page.locator(".point").get_by_text("Fold · ").wait_for()
+    page.get_by_role("button", name="Open in Toy").click()
+    page.wait_for_function(
+        "() => window.latolato.views.toy?.player.motion?.about.options.drive_amplitude > 0",
+        timeout=PATIENCE,
+    )
+    found = page.evaluate(
+        """() => {
+          const { motion } = window.latolato.views.toy.player;
+          const { options, duration } = motion.about;
+          const period = 2 * Math.PI / options.drive_frequency;
+          const at = (k) => motion.balls.map((ball) => motion.angle(ball, k * period));
+          const angles = Array.from({ length: 13 }, (_, k) => at(k + 0.37));
+          return { options, shakes: duration / period, angles };
+        }"""
+    )
+    assert found["options"]["drive_frequency"] == pytest.approx(
+        spot["ratio"] * (9.8 / 0.245) ** 0.5, rel=1e-9
+    )
+    assert found["shakes"] == pytest.approx(20.0)
+    angles = np.array(found["angles"])
+    assert np.ptp(angles, axis=0).max() < 1e-4
+
+
+def test_keys_walk_along_a_curve_and_a_cell_opens_as_before(page):
+    open_map(page)
+    wait_for_curves(page, 2)
+    field = page.get_by_role("application")
+    field.focus()
+    crosses = []
+    for key in ("c", "c", "Shift+C"):
+        field.press(key)
+        crosses.append(page.evaluate("() => window.latolato.views.map.chart.cross"))
+    on_curve = page.evaluate(
+        """() => window.latolato.views.map.chart.curves.map(({ xs, ys }) =>
+          xs.map((x, i) => [x, ys[i]])).flat()"""
+    )
+    assert crosses[0] in on_curve
+    assert crosses[1] in on_curve
+    assert crosses[1] != crosses[0] == crosses[2]
+    assert "map.at" not in page.url
+    field.press("ArrowLeft")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('map.at=')")
+    readout = page.locator(".map-readout").inner_text()
+    assert "largest angle after the transient" in readout
+
+
+def test_curves_are_switched_off_one_by_one_and_the_address_keeps_that(page):
+    open_map(page)
+    wait_for_curves(page, 2)
+    page.get_by_text("Curves and trials").click()
+    page.get_by_label("Fold (").uncheck()
+    wait_for_curves(page, 1)
+    assert "map.off=fold" in page.url
+    page.reload()
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    wait_for_curves(page, 1)
+    page.get_by_text("Curves and trials").click()
+    assert not page.get_by_label("Fold (").is_checked()
+    page.get_by_label("Fold (").check()
+    wait_for_curves(page, 2)
+    assert "map.off" not in page.url
+
+
+def test_files_of_curves_and_trials_are_told_apart_and_others_are_refused(page, tmp_path):
+    (tmp_path / "curve.csv").write_text(SHIPPED)
+    (tmp_path / "other.csv").write_text(SHIPPED.replace("restitution: 0.9", "restitution: 0.8"))
+    (tmp_path / "trials.csv").write_text(
+        "drive_amplitude,frequency_ratio,class\n20 mm,2.0,none\n200 mm,2.0,weak\n"
+    )
+    open_map(page, FIG11.replace("scenario=fig11", "scenario=page") + "&length=24.5 cm"
+             "&mass=106.44 g&radius=19.6 mm&damping=5.06 g m/s&system=latolato&restitution=0.9"
+             "&initial_offset=0.2&map.x=drive_frequency&map.y=amplitude_ratio")  # fmt: skip
+    page.get_by_text("Curves and trials").click()
+    field = page.get_by_label("Trial table or curves")
+    field.set_input_files([tmp_path / "curve.csv", tmp_path / "trials.csv"])
+    page.get_by_text("2 trials, 1 of them outside the map.").wait_for()
+    wait_for_curves(page, 2)
+    field.set_input_files([tmp_path / "curve.csv", tmp_path / "other.csv"])
+    page.get_by_text("its restitution is 0.8, that of the map 0.9").wait_for()
+    wait_for_curves(page, 2)
+    field.set_input_files([])
+    wait_for_curves(page, 0)
