@@ -240,6 +240,53 @@ def test_a_special_point_of_a_branch_is_where_a_curve_begins():
     assert apart[i] < 1e-3
     with pytest.raises(InputError, match=r"must be a special point of continue_orbit"):
         bifurcation_curve(PENDULUM, drive, at=branch, low=(0.0, 1.7), high=(0.2, 2.3))
+    # The range of frequencies changes no law, but another amplitude does, and so does another mass.
+    other = ll.Pendulum(length=1.0, mass=0.9, damping=0.05)
+    for system, shaken, message in (
+        (PENDULUM, shake(2.1, 0.06), "whose drive_amplitude is 0.05, but here it is 0.06"),
+        (other, drive, "whose mass is 0.8, but here it is 0.9"),
+        (ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string"), drive, "suspension"),
+        (TOY, drive, "whose system is pendulum, but here it is latolato"),
+    ):
+        for analysis in (bifurcation_curve, ll.analysis.continue_orbit):
+            pair = analysis is bifurcation_curve
+            box = {"low": (0.0, 1.7), "high": (0.2, 2.3)} if pair else {"low": 1.7, "high": 2.3}
+            with pytest.raises(InputError, match=message):
+                analysis(system, shaken, at=branch.special[1], **box)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [("kind", "fold"), ("period", 2), ("initial_angle", 0.0), ("initial_angular_velocity", 0.1)],
+)
+def test_what_a_special_point_brings_is_not_given_beside_it(name, value):
+    drive = shake(1.85, 0.05)
+    branch = ll.analysis.continue_orbit(PENDULUM, drive, low=1.8, high=2.2, points=60)
+    point, message = branch.special[0], f"{name} comes with the special point that at gives"
+    with pytest.raises(InputError, match=message):
+        bifurcation_curve(
+            PENDULUM, drive, at=point, low=(0.0, 1.7), high=(0.2, 2.3), **{name: value}
+        )
+    if name != "kind":
+        with pytest.raises(InputError, match=message):
+            ll.analysis.continue_orbit(
+                PENDULUM, drive, at=point, low=1.8, high=2.2, **{name: value}
+            )
+
+
+def test_ends_of_the_ranges_may_have_units(tmp_path):
+    pint = pytest.importorskip("pint")
+    unit = pint.UnitRegistry()
+    box = {"low": (5 * unit.mm, 1.8), "high": (10 * unit.cm, 2.2), "points": 6}
+    curve = hanging_tongue(**box)
+    ll.save(curve, tmp_path / "curve.nc")
+    stored = ll.load(tmp_path / "curve.nc")
+    np.testing.assert_allclose(stored.attrs["low"], [0.005, 1.8], rtol=1e-15)
+    np.testing.assert_allclose(stored.attrs["high"], [0.1, 2.2], rtol=1e-15)
+    plain = hanging_tongue(low=(0.005, 1.8), high=(0.1, 2.2), points=6)
+    np.testing.assert_array_equal(curve.drive_amplitude, plain.drive_amplitude)
+    with pytest.raises(InputError, match="low \\(drive_amplitude\\) must be given in m"):
+        hanging_tongue(**(box | {"low": (5 * unit.s, 1.8)}))
 
 
 def test_two_equal_balls_double_their_period_as_their_mirror_image_does(tmp_path):

@@ -32,8 +32,9 @@ from latolato.analysis.orbits import (
 )
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
-from latolato.analysis.special_point import SpecialPoint
+from latolato.analysis.special_point import SpecialPoint, check_left_out
 from latolato.core.errors import InputError
+from latolato.core.parameters import UnitOf
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
 from latolato.observables.word import LETTERS
@@ -69,14 +70,14 @@ def bifurcation_curve(
     system: System,
     drive: Drive | None = None,
     *,
-    kind: Kind = "fold",
+    kind: Kind | None = None,
     parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
-    low: Sequence[float],
-    high: Sequence[float],
+    low: Annotated[Sequence[float], UnitOf("parameters")],
+    high: Annotated[Sequence[float], UnitOf("parameters")],
     at: xr.DataArray | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
-    period: Annotated[int, PERIODS] = 1,
+    period: Annotated[int | None, PERIODS] = None,
     points: Annotated[int, COUNT] = 200,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
@@ -93,8 +94,8 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        What is followed, without `at`. ``fold``: two motions meet and vanish, a
-        multiplier is one.
+        What is followed, by default a fold. ``fold``: two motions meet and vanish, a multiplier is
+        one.
         ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
         its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
         one, or its image, without speed. ``lift_off``: the force between balls at rest on each
@@ -106,9 +107,10 @@ def bifurcation_curve(
         The lowest and highest value of each parameter [SI]; the curve ends there.
     at : xarray.DataArray, optional
         A special point of `continue_orbit` of the same system and drive, as ``branch.special[0]``:
-        it brings its parameter's value, the motion, its period and its kind.
+        it brings its parameter's value, the motion, its period and its kind, which are not given
+        beside it.
     initial_angle, initial_angular_velocity, period
-        Guess of the motion without `at`, as of `floquet`.
+        Guess of the motion, as of `floquet`; the period is 1 by default.
     points : int
         Most points of the curve.
     contact, tolerance, rest_speed
@@ -163,14 +165,21 @@ def bifurcation_curve(
     complete [1.8306, 2.2]
     """
     check_vertical(drive)
-    if at is not None:
+    if at is None:
+        kind = kind or "fold"
+        period = period or 1
+    else:
+        check_left_out(
+            kind=kind, period=period, initial_angle=initial_angle,
+            initial_angular_velocity=initial_angular_velocity,
+        )  # fmt: skip
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
         found = "slack_onset" if special.kind == "slackens" else special.kind
         if found not in KINDS:
             raise broken_analysis("kind_of_point", {"kind": special.kind}, parameter="at")
-        kind = next(each for each in KINDS if each == found)
+        kind = KINDS[KINDS.index(found)]
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)
@@ -201,7 +210,7 @@ def bifurcation_curve(
         system=system,
         drive=flow.drive,
         quantities=QUANTITIES | _quantities(plane),
-        settings={"bifurcation": kind, "period": period},
+        settings={"bifurcation": kind, "period": period, "low": plane.low, "high": plane.high},
     )
 
 

@@ -146,6 +146,11 @@ RULES = {
         "must be a special point of continue_orbit",
         "give branch.special[0], and the drive of the branch",
     ),
+    "point_of_other": Rule(
+        "is of a branch whose {name} is {there}, but here it is {here}",
+        "give the system and the drive of the branch",
+    ),
+    "brought_by_point": Rule("comes with the special point that at gives", "leave out one of both"),
     "start_below_threshold": Rule(
         "the start must lie below threshold_angle {threshold:g} rad; give a larger one"
     ),

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.registry import describe, flattened, suggest
+from latolato.core.registry import describe, first_difference, flattened, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
@@ -171,21 +171,15 @@ def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> 
     # The phase of the drive turns motions, and bifurcations with them.
     laws = {**flattened(describe(system_of(curve))), **flattened(describe(drive_of(curve)))}
     laws |= {"system": "", "drive": "", "contact": ""}
-    for name in sorted(laws.keys() - varied - {"drive_phase"}):
-        scalar = name in grid.coords and not grid[name].ndim
-        here = grid[name].item() if scalar else grid.attrs.get(name)
-        there = curve.attrs.get(name, "none" if name == "contact" else None)
-        if here != there and not _are_close(here, there):
-            raise InputError(
-                f"is of another system than the map: its {name} is {there}, that of the map {here}",
-                parameter="overlays",
-            )
-
-
-def _are_close(one: Any, other: Any) -> bool:
-    """Whether two values are numbers that differ by rounding only."""
-    both = isinstance(one, (int, float)) and isinstance(other, (int, float))
-    return both and math.isclose(one, other, rel_tol=1e-9)
+    scalars = {str(name): c.item() for name, c in grid.coords.items() if not c.ndim}
+    here, there = {**grid.attrs, **scalars}, {"contact": "none", **curve.attrs}
+    name = first_difference(sorted(laws.keys() - varied - {"drive_phase"}), here, there)
+    if name is not None:
+        raise InputError(
+            f"is of another system than the map: its {name} is {there.get(name)}, that of the map "
+            f"{here.get(name)}",
+            parameter="overlays",
+        )
 
 
 def draw(axes: Axes, context: Context, name: str) -> Any:
