@@ -8,6 +8,7 @@ import pytest
 import latolato as ll
 from hanging import tongue_edges
 from latolato.analysis.bifurcation_curve import bifurcation_curve
+from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)
@@ -199,6 +200,39 @@ def test_dry_friction_holds_a_ball_longer():
     i = curve.sizes["point"] // 2
     start = ll.analysis.self_start(rough, float(curve.frequency_ratio[i]))
     assert float(curve.drive_amplitude[i]) == pytest.approx(float(start.drive_amplitude), rel=1e-6)
+
+
+def test_two_different_balls_lift_off_together_or_swing_as_one_first():
+    right = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+    left = ll.Ball(length=0.24, mass=0.15, damping=0.004, radius=0.025)
+    pair = ll.BallPair(right=right, left=left, restitution=0.85)
+    curve = bifurcation_curve(
+        pair, shake(2.8, 0.03, pair), kind="lift_off", low=(0.005, 1.0), high=(0.1, 8.0),
+        initial_angle=hanging_angles(pair),
+    )  # fmt: skip
+    lifted = curve.drive_amplitude * (curve.frequency_ratio * pair.natural_frequency) ** 2
+    np.testing.assert_allclose(lifted.values, 9.8, rtol=1e-10)
+    assert set(curve.word.values) == {"R"}
+    # In the tongue of their common swing rest ends there before, elsewhere at lift-off.
+    assert {0, 1} == set(curve.is_edge.values)
+    for i in range(5, curve.sizes["point"], 15):
+        ratio, amplitude = float(curve.frequency_ratio[i]), float(curve.drive_amplitude[i])
+        separations, swings = [], []
+        for share in (0.999, 1.001):
+            drive = shake(ratio, share * amplitude, pair)
+            for push in (0.0, 1e-8):
+                times = np.arange(41) * math.tau / drive.drive_frequency
+                run = ll.simulate(
+                    pair, drive, times=times, initial_angle=hanging_angles(pair),
+                    initial_angular_velocity=(push, push),
+                )  # fmt: skip
+                right_angle, left_angle = run.angle.values
+                apart = np.ptp(right_angle - left_angle)
+                separations += [apart] if push == 0.0 else []
+                swings += [np.ptp(right_angle[-3:])] if push and share < 1.0 else []
+        assert separations[0] < 1e-12 < 1e-9 < separations[1]
+        # A push of both dies out, or grows.
+        assert (swings[0] < 1e-7) == bool(curve.is_edge[i])
 
 
 def test_a_hanging_string_goes_slack_where_its_pivot_falls_freely():

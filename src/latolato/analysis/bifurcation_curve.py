@@ -32,6 +32,7 @@ from latolato.analysis.orbits import (
 )
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
+from latolato.analysis.self_start import resting_angles
 from latolato.analysis.special_point import SpecialPoint, check_left_out
 from latolato.core.errors import InputError
 from latolato.core.parameters import UnitOf
@@ -247,8 +248,8 @@ def _check_kind(flow: Flow, kind: str) -> None:
     """Raise InputError for a kind that a system cannot have."""
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
         raise broken_analysis("touching_balls", parameter="kind", value=kind)
-    if kind == "lift_off" and (flow.system.drag_frame == "lab" or flow.size == 4):
-        raise broken_analysis("described_lift_off", parameter="kind", value=kind)
+    if kind == "lift_off":
+        resting_angles(flow.system)
     if kind == "slack_onset" and not flow.is_string:
         raise broken_analysis("needs_strings", parameter="kind", value=kind)
 

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from latolato.analysis.branch import mirrors_of
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period, value_of, varied
 from latolato.analysis.orbits import gap_of, scale_of, turns_of
+from latolato.analysis.self_start import holding_friction, resting_angles
 from latolato.core.errors import InputError
 from latolato.numerics.integrate import LARGEST
 from latolato.observables.period import wrapped
@@ -335,6 +336,8 @@ class Touch(Condition):
 
     def free_part(self, state: Floats) -> Floats:
         """Return what of a state is not said by the touch."""
+        if self.kind == "lift_off":
+            return state[:0]  # balls at rest balance each other
         return state if self.kind == "slack_onset" else state[2:]
 
     def ends(self, free: Floats, flow: Flow, values: Floats) -> tuple[Floats, Floats]:
@@ -342,6 +345,9 @@ class Touch(Condition):
         if self.kind == "slack_onset":
             return free, free
         wall = flow.walls[self.wall]
+        if self.kind == "lift_off" and flow.size == 4:
+            right, left = resting_angles(flow.system)
+            return np.array([right, 0.0, left, 0.0]), np.array([right, 0.0, left, 0.0])
         state = [wall, 0.0] if flow.size == 2 else [free[0] + wall, free[1], free[0], free[1]]
         return np.array(state), np.array(state)
 
@@ -370,7 +376,7 @@ class Touch(Condition):
             residual = gap
         elif self.kind == "slack_onset":
             residual = np.append(gap, self._touch_derivatives(flow, start)[:2])
-        else:  # a ball at rest stays where it is
+        else:  # balls at rest stay where they are
             residual = self._touch_derivatives(flow, start)[:2]
         matrix = passage.matrix * self.measure / self.measure[:, None]
         return Solution(residual, flow, start, turn, passage, matrix, values)
@@ -408,17 +414,17 @@ class Touch(Condition):
         return _derivatives(nodes / span, self._sampled(flow, start, nodes, "tension")[self.ball])
 
     def _contact_force(self, flow: Flow, start: Floats, times: Floats) -> Floats:
-        """Return the force along the circle that holds one ball at a wall, over its weight's part.
+        """Return the force that holds one ball at a wall, or two together, over the weight's part.
 
-        Gravity and the pivot press it against the lower wall together; friction holds it too.
+        Gravity and the pivot press balls against the lower wall together; friction holds them too.
         """
         (segment, *_) = flow.drive.segments(float(times[-1]))
         acceleration = type(flow.drive).acceleration
         accelerations = np.array([acceleration(float(time), segment) for time in times])
-        ball, gravity = flow.system.balls[0], flow.system.gravity
-        friction = ball.coulomb_damping / (ball.mass * gravity * abs(math.sin(float(start[0]))))
+        gravity = flow.system.gravity
+        friction = holding_friction(flow.system, tuple(start[0::2]))
         sign = 1.0 if self.wall == 0 else -1.0
-        return np.asarray(sign * (1.0 + accelerations / gravity) + friction)
+        return np.asarray(sign * (1.0 + accelerations / gravity) + friction / gravity)
 
     def _clearance(self, flow: Flow, start: Floats, nodes: Floats) -> Floats:
         """Return how far balls are from touching, and its derivatives, over natural units."""
