@@ -8,6 +8,7 @@ import pytest
 import latolato as ll
 from hanging import tongue_edges
 from latolato.analysis.bifurcation_curve import bifurcation_curve
+from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 
 NATURAL = math.sqrt(9.8)
@@ -201,6 +202,39 @@ def test_dry_friction_holds_a_ball_longer():
     assert float(curve.drive_amplitude[i]) == pytest.approx(float(start.drive_amplitude), rel=1e-6)
 
 
+def test_two_different_balls_lift_off_together_or_swing_as_one_first():
+    right = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
+    left = ll.Ball(length=0.24, mass=0.15, damping=0.004, radius=0.025)
+    pair = ll.BallPair(right=right, left=left, restitution=0.85)
+    curve = bifurcation_curve(
+        pair, shake(2.8, 0.03, pair), kind="lift_off", low=(0.005, 1.0), high=(0.1, 8.0),
+        initial_angle=hanging_angles(pair),
+    )  # fmt: skip
+    lifted = curve.drive_amplitude * (curve.frequency_ratio * pair.natural_frequency) ** 2
+    np.testing.assert_allclose(lifted.values, 9.8, rtol=1e-10)
+    assert set(curve.word.values) == {"R"}
+    # In the tongue of their common swing rest ends there before, elsewhere at lift-off.
+    assert {0, 1} == set(curve.is_edge.values)
+    for i in range(5, curve.sizes["point"], 15):
+        ratio, amplitude = float(curve.frequency_ratio[i]), float(curve.drive_amplitude[i])
+        separations, swings = [], []
+        for share in (0.999, 1.001):
+            drive = shake(ratio, share * amplitude, pair)
+            for push in (0.0, 1e-8):
+                times = np.arange(41) * math.tau / drive.drive_frequency
+                run = ll.simulate(
+                    pair, drive, times=times, initial_angle=hanging_angles(pair),
+                    initial_angular_velocity=(push, push),
+                )  # fmt: skip
+                right_angle, left_angle = run.angle.values
+                apart = np.ptp(right_angle - left_angle)
+                separations += [apart] if push == 0.0 else []
+                swings += [np.ptp(right_angle[-3:])] if push and share < 1.0 else []
+        assert separations[0] < 1e-12 < 1e-9 < separations[1]
+        # A push of both dies out, or grows.
+        assert (swings[0] < 1e-7) == bool(curve.is_edge[i])
+
+
 def test_a_hanging_string_goes_slack_where_its_pivot_falls_freely():
     string = ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string")
     curve = bifurcation_curve(
@@ -240,6 +274,53 @@ def test_a_special_point_of_a_branch_is_where_a_curve_begins():
     assert apart[i] < 1e-3
     with pytest.raises(InputError, match=r"must be a special point of continue_orbit"):
         bifurcation_curve(PENDULUM, drive, at=branch, low=(0.0, 1.7), high=(0.2, 2.3))
+    # The range of frequencies changes no law, but another amplitude does, and so does another mass.
+    other = ll.Pendulum(length=1.0, mass=0.9, damping=0.05)
+    for system, shaken, message in (
+        (PENDULUM, shake(2.1, 0.06), "whose drive_amplitude is 0.05, but here it is 0.06"),
+        (other, drive, "whose mass is 0.8, but here it is 0.9"),
+        (ll.Pendulum(length=1.0, mass=0.8, damping=0.05, suspension="string"), drive, "suspension"),
+        (TOY, drive, "whose system is pendulum, but here it is latolato"),
+    ):
+        for analysis in (bifurcation_curve, ll.analysis.continue_orbit):
+            pair = analysis is bifurcation_curve
+            box = {"low": (0.0, 1.7), "high": (0.2, 2.3)} if pair else {"low": 1.7, "high": 2.3}
+            with pytest.raises(InputError, match=message):
+                analysis(system, shaken, at=branch.special[1], **box)
+
+
+@pytest.mark.parametrize(
+    "name, value",
+    [("kind", "fold"), ("period", 2), ("initial_angle", 0.0), ("initial_angular_velocity", 0.1)],
+)
+def test_what_a_special_point_brings_is_not_given_beside_it(name, value):
+    drive = shake(1.85, 0.05)
+    branch = ll.analysis.continue_orbit(PENDULUM, drive, low=1.8, high=2.2, points=60)
+    point, message = branch.special[0], f"{name} comes with the special point that at gives"
+    with pytest.raises(InputError, match=message):
+        bifurcation_curve(
+            PENDULUM, drive, at=point, low=(0.0, 1.7), high=(0.2, 2.3), **{name: value}
+        )
+    if name != "kind":
+        with pytest.raises(InputError, match=message):
+            ll.analysis.continue_orbit(
+                PENDULUM, drive, at=point, low=1.8, high=2.2, **{name: value}
+            )
+
+
+def test_ends_of_the_ranges_may_have_units(tmp_path):
+    pint = pytest.importorskip("pint")
+    unit = pint.UnitRegistry()
+    box = {"low": (5 * unit.mm, 1.8), "high": (10 * unit.cm, 2.2), "points": 6}
+    curve = hanging_tongue(**box)
+    ll.save(curve, tmp_path / "curve.nc")
+    stored = ll.load(tmp_path / "curve.nc")
+    np.testing.assert_allclose(stored.attrs["low"], [0.005, 1.8], rtol=1e-15)
+    np.testing.assert_allclose(stored.attrs["high"], [0.1, 2.2], rtol=1e-15)
+    plain = hanging_tongue(low=(0.005, 1.8), high=(0.1, 2.2), points=6)
+    np.testing.assert_array_equal(curve.drive_amplitude, plain.drive_amplitude)
+    with pytest.raises(InputError, match="low \\(drive_amplitude\\) must be given in m"):
+        hanging_tongue(**(box | {"low": (5 * unit.s, 1.8)}))
 
 
 def test_two_equal_balls_double_their_period_as_their_mirror_image_does(tmp_path):

@@ -20,7 +20,7 @@ from latolato.analysis.conditions import (
     Touch,
     closing_maps,
 )
-from latolato.analysis.curve import Curve, Place, Special
+from latolato.analysis.curve import Curve, CurvePoint, Special
 from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
 from latolato.analysis.orbits import (
     CLOSED,
@@ -32,8 +32,10 @@ from latolato.analysis.orbits import (
 )
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
-from latolato.analysis.special_point import SpecialPoint
+from latolato.analysis.self_start import resting_angles
+from latolato.analysis.special_point import SpecialPoint, check_left_out
 from latolato.core.errors import InputError
+from latolato.core.parameters import UnitOf
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
 from latolato.observables.word import LETTERS
@@ -69,14 +71,14 @@ def bifurcation_curve(
     system: System,
     drive: Drive | None = None,
     *,
-    kind: Kind = "fold",
+    kind: Kind | None = None,
     parameters: Sequence[str] = ("drive_amplitude", "frequency_ratio"),
-    low: Sequence[float],
-    high: Sequence[float],
+    low: Annotated[Sequence[float], UnitOf("parameters")],
+    high: Annotated[Sequence[float], UnitOf("parameters")],
     at: xr.DataArray | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
-    period: Annotated[int, PERIODS] = 1,
+    period: Annotated[int | None, PERIODS] = None,
     points: Annotated[int, COUNT] = 200,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
@@ -93,8 +95,8 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        What is followed, without `at`. ``fold``: two motions meet and vanish, a
-        multiplier is one.
+        What is followed, by default a fold. ``fold``: two motions meet and vanish, a multiplier is
+        one.
         ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
         its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
         one, or its image, without speed. ``lift_off``: the force between balls at rest on each
@@ -106,9 +108,10 @@ def bifurcation_curve(
         The lowest and highest value of each parameter [SI]; the curve ends there.
     at : xarray.DataArray, optional
         A special point of `continue_orbit` of the same system and drive, as ``branch.special[0]``:
-        it brings its parameter's value, the motion, its period and its kind.
+        it brings its parameter's value, the motion, its period and its kind, which are not given
+        beside it.
     initial_angle, initial_angular_velocity, period
-        Guess of the motion without `at`, as of `floquet`.
+        Guess of the motion, as of `floquet`; the period is 1 by default.
     points : int
         Most points of the curve.
     contact, tolerance, rest_speed
@@ -163,27 +166,34 @@ def bifurcation_curve(
     complete [1.8306, 2.2]
     """
     check_vertical(drive)
-    if at is not None:
+    if at is None:
+        kind = kind or "fold"
+        period = period or 1
+    else:
+        check_left_out(
+            kind=kind, period=period, initial_angle=initial_angle,
+            initial_angular_velocity=initial_angular_velocity,
+        )  # fmt: skip
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
         found = "slack_onset" if special.kind == "slackens" else special.kind
         if found not in KINDS:
             raise broken_analysis("kind_of_point", {"kind": special.kind}, parameter="at")
-        kind = next(each for each in KINDS if each == found)
+        kind = KINDS[KINDS.index(found)]
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     _check_kind(flow, kind)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, None)
-    condition, unknowns = _begun(plane, kind, guess, period)
+    condition, unknowns = _condition_of(plane, kind, guess, period)
     curve = Curve(condition)
     first = None if unknowns is None else curve.begin(unknowns)
-    places: list[Place] = []
+    curve_points: list[CurvePoint] = []
     specials: list[Special] = []
     ends = ["", ""]
     status = "not found" if first is None else "singular" if curve.is_singular(first) else ""
     if first is not None and not status:
-        places, specials, ends = _both_ways(curve, first, points, progress)
+        curve_points, specials, ends = _both_ways(curve, first, points, progress)
         status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
         words = kind.replace("_", " ")
@@ -196,12 +206,12 @@ def bifurcation_curve(
             else f"two bifurcations fall on one point near {where}, or it is no {words}"
         )
     return labelled(
-        _variables(plane, condition, places, specials)
+        _variables(plane, condition, curve_points, specials)
         | {"status": status, "end_reason": ("end", np.array(ends, dtype="U20"))},
         system=system,
         drive=flow.drive,
         quantities=QUANTITIES | _quantities(plane),
-        settings={"bifurcation": kind, "period": period},
+        settings={"bifurcation": kind, "period": period, "low": plane.low, "high": plane.high},
     )
 
 
@@ -238,13 +248,15 @@ def _check_kind(flow: Flow, kind: str) -> None:
     """Raise InputError for a kind that a system cannot have."""
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
         raise broken_analysis("touching_balls", parameter="kind", value=kind)
-    if kind == "lift_off" and (flow.system.drag_frame == "lab" or flow.size == 4):
-        raise broken_analysis("described_lift_off", parameter="kind", value=kind)
+    if kind == "lift_off":
+        resting_angles(flow.system)
     if kind == "slack_onset" and not flow.is_string:
         raise broken_analysis("needs_strings", parameter="kind", value=kind)
 
 
-def _begun(plane: Plane, kind: str, guess: Floats, period: int) -> tuple[Condition, Floats | None]:
+def _condition_of(
+    plane: Plane, kind: str, guess: Floats, period: int
+) -> tuple[Condition, Floats | None]:
     """Return the equations of a kind of curve, and unknowns to begin with."""
     if kind in ("fold", "period_doubling", "symmetry_breaking"):
         start, values = _closed_near(plane, guess, period, beside=(0.0,))
@@ -308,8 +320,8 @@ def _touch_of(
     run = flow.sampled(start, times)
     angles, speeds = np.atleast_2d(run["angle"]), np.atleast_2d(run["angular_velocity"])
     wall = ball = 0
-    place = angles[0] - angles[1] if two else angles[0]
-    clearances = np.array([place - flow.walls[0], flow.walls[1] - place])
+    separation = angles[0] - angles[1] if two else angles[0]
+    clearances = np.array([separation - flow.walls[0], flow.walls[1] - separation])
     if kind == "slack_onset":
         tension = np.atleast_2d(run["tension"])
         ball, at = _least(tension)
@@ -339,41 +351,41 @@ def _least(values: Floats) -> tuple[int, int]:
 
 
 def _both_ways(
-    curve: Curve, first: Place, points: int, progress: Callable[[float], None] | None
-) -> tuple[list[Place], list[Special], list[str]]:
+    curve: Curve, first: CurvePoint, points: int, progress: Callable[[float], None] | None
+) -> tuple[list[CurvePoint], list[Special], list[str]]:
     """Return a curve followed from a point both ways: points, specials, and why it ends."""
     done = 1
 
-    def is_seen(_: Place) -> None:
+    def on_point(_: CurvePoint) -> None:
         nonlocal done
         done += 1
         if progress is not None:
             progress(min(done / points, 1.0))
 
     # Half of the points for one way, the rest for the other, and what that leaves again.
-    after, specials, reason = curve.follow(first, 1.0, points // 2, is_seen)
+    after, specials, reason = curve.follow(first, 1.0, points // 2, on_point)
     if reason in ("closed", "interrupted"):
         return [first, *after], specials, [reason, reason]
     goal = after[-1] if after and reason == "points" else None
-    before, others, other = curve.follow(first, -1.0, points - 1 - len(after), is_seen, goal)
+    before, others, other = curve.follow(first, -1.0, points - 1 - len(after), on_point, goal)
     if other == "closed":
         return [*before[::-1], first, *after], [*others[::-1], *specials], [other, other]
     left = points - 1 - len(after) - len(before)
     if reason == "points" and left > 0 and after and other != "interrupted":
-        more, found, reason = curve.follow(after[-1], 1.0, left, is_seen)
+        more, found, reason = curve.follow(after[-1], 1.0, left, on_point)
         after, specials = after + more, specials + found
     return [*before[::-1], first, *after], [*others[::-1], *specials], [other, reason]
 
 
 def _variables(
-    plane: Plane, condition: Condition, places: list[Place], specials: list[Special]
+    plane: Plane, condition: Condition, curve_points: list[CurvePoint], specials: list[Special]
 ) -> dict[str, Any]:
     """Return the points of a curve as variables."""
     size = plane.flow.size
     two = size == 4
     per_ball = ("point", "ball") if two else ("point",)
-    solutions = [place.solution for place in places]
-    located = [special.place.solution for special in specials]
+    solutions = [point.solution for point in curve_points]
+    special_solutions = [special.point.solution for special in specials]
     starts = np.array([_at_time_zero(each, condition) for each in solutions]).reshape(-1, size)
     multipliers = np.array([multipliers_of(each.matrix) for each in solutions], dtype=complex)
     is_edge = [np.all(np.abs(condition.others(each)) < _NEUTRAL) for each in solutions]
@@ -393,7 +405,10 @@ def _variables(
         "impacts": ("point", np.array([s.passage.impacts for s in solutions], dtype=int)),
         "word": ("point", np.array([_word(s, condition) for s in solutions], dtype="U64")),
         "is_edge": ("point", np.array(is_edge, dtype=np.int8)),
-        **{f"special_{name}": ("special", along(i, located)) for i, name in enumerate(plane.names)},
+        **{
+            f"special_{name}": ("special", along(i, special_solutions))
+            for i, name in enumerate(plane.names)
+        },
         "special_kind": ("special", np.array([each.kind for each in specials], dtype="U20")),
     }
 

@@ -217,8 +217,8 @@ class Branch:
             x = confined(flow, point[:-1] * self.scale[:-1])
             passage = flow.follow(x, duration)
             gap = gap_of(x, passage.end, turns)
-            missed = np.append(gap / self.scale[:-1], place.tangent @ (point - guess))
-            size = float(np.linalg.norm(missed))
+            residual = np.append(gap / self.scale[:-1], place.tangent @ (point - guess))
+            size = float(np.linalg.norm(residual))
             if not passage.is_complete or not math.isfinite(size):
                 return None
             if size <= (closed if trial < _NEWTON - 1 else max(closed, _CLOSE)):
@@ -230,7 +230,7 @@ class Branch:
             matrix = (passage.matrix - np.eye(flow.size)) * self.scale[:-1] / self.scale[:-1, None]
             bordered = np.vstack([np.column_stack([matrix, column]), place.tangent])
             try:
-                move = np.linalg.solve(bordered, -missed)
+                move = np.linalg.solve(bordered, -residual)
             except np.linalg.LinAlgError:
                 return None
             if np.linalg.norm(move) > 10.0 * LONGEST_STEP:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from latolato.analysis.branch import mirrors_of
 from latolato.analysis.flow import Floats, Flow, Passage, drive_period, value_of, varied
 from latolato.analysis.orbits import gap_of, scale_of, turns_of
+from latolato.analysis.self_start import holding_friction, resting_angles
 from latolato.core.errors import InputError
 from latolato.numerics.integrate import LARGEST
 from latolato.observables.period import wrapped
@@ -90,7 +91,7 @@ class Solution:
 
     Attributes
     ----------
-    missed : ndarray, shape (equation,)
+    residual : ndarray, shape (equation,)
         By how much it misses the equations, in units of the state.
     flow, start, turn
         The motion, its state where it begins, and by how much the drive has turned there [rad].
@@ -102,7 +103,7 @@ class Solution:
         The parameters.
     """
 
-    missed: Floats
+    residual: Floats
     flow: Flow
     start: Floats
     turn: float
@@ -240,8 +241,8 @@ class Multiplier(Condition):
         gap = gap_of(start, end, self.turns) / self.measure
         matrix = (self.mirror @ passage.matrix) * self.measure / self.measure[:, None]
         border = self._border(matrix)
-        missed = np.append(gap, np.linalg.solve(border, np.eye(len(border))[-1])[-1])
-        return Solution(missed, flow, start, 0.0, passage, matrix, values)
+        residual = np.append(gap, np.linalg.solve(border, np.eye(len(border))[-1])[-1])
+        return Solution(residual, flow, start, 0.0, passage, matrix, values)
 
     def _border(self, matrix: Floats) -> Floats:
         """Return the critical matrix with a border that makes it regular.
@@ -335,6 +336,8 @@ class Touch(Condition):
 
     def free_part(self, state: Floats) -> Floats:
         """Return what of a state is not said by the touch."""
+        if self.kind == "lift_off":
+            return state[:0]  # balls at rest balance each other
         return state if self.kind == "slack_onset" else state[2:]
 
     def ends(self, free: Floats, flow: Flow, values: Floats) -> tuple[Floats, Floats]:
@@ -342,6 +345,9 @@ class Touch(Condition):
         if self.kind == "slack_onset":
             return free, free
         wall = flow.walls[self.wall]
+        if self.kind == "lift_off" and flow.size == 4:
+            right, left = resting_angles(flow.system)
+            return np.array([right, 0.0, left, 0.0]), np.array([right, 0.0, left, 0.0])
         state = [wall, 0.0] if flow.size == 2 else [free[0] + wall, free[1], free[0], free[1]]
         return np.array(state), np.array(state)
 
@@ -366,15 +372,14 @@ class Touch(Condition):
         if self.turns is None:
             self.turns = turns_of(flow, end, passage.end)
         gap = gap_of(end, passage.end, self.turns) / self.measure
-        touched = self._touched(flow, start)
         if self.kind == "grazing":
-            missed = gap
+            residual = gap
         elif self.kind == "slack_onset":
-            missed = np.append(gap, touched[:2])
-        else:  # a ball at rest stays where it is
-            missed = touched[:2]
+            residual = np.append(gap, self._touch_derivatives(flow, start)[:2])
+        else:  # balls at rest stay where they are
+            residual = self._touch_derivatives(flow, start)[:2]
         matrix = passage.matrix * self.measure / self.measure[:, None]
-        return Solution(missed, flow, start, turn, passage, matrix, values)
+        return Solution(residual, flow, start, turn, passage, matrix, values)
 
     def _around(self, flow: Flow, start: Floats) -> Passage | None:
         """Return the way back to the touch, which itself is passed without contact."""
@@ -390,11 +395,11 @@ class Touch(Condition):
             passage = each.follow(state, share * duration)
             if not passage.is_complete:
                 return None
-            way = passage if way is None else joined(way, passage, begun * duration)
+            way = passage if way is None else joined_passages(way, passage, begun * duration)
             state, begun = passage.end, begun + share
         return way
 
-    def _touched(self, flow: Flow, start: Floats) -> Floats:
+    def _touch_derivatives(self, flow: Flow, start: Floats) -> Floats:
         """Return what touches zero, its first and its second derivative over drive periods.
 
         For a grazing contact it is the acceleration with which the clearance grows that must not
@@ -403,31 +408,31 @@ class Touch(Condition):
         span = _SPAN * drive_period(flow.drive)
         nodes = 0.5 * span * (1.0 - np.cos(np.pi * np.arange(_NODES) / (_NODES - 1)))
         if self.kind == "lift_off":
-            return _derivatives(nodes / span, self._pressed(flow, start, nodes))
+            return _derivatives(nodes / span, self._contact_force(flow, start, nodes))
         if self.kind == "grazing":
             return self._clearance(flow, start, nodes)
         return _derivatives(nodes / span, self._sampled(flow, start, nodes, "tension")[self.ball])
 
-    def _pressed(self, flow: Flow, start: Floats, times: Floats) -> Floats:
-        """Return the force along the circle that holds one ball at a wall, over its weight's part.
+    def _contact_force(self, flow: Flow, start: Floats, times: Floats) -> Floats:
+        """Return the force that holds one ball at a wall, or two together, over the weight's part.
 
-        Gravity and the pivot press it against the lower wall together; friction holds it too.
+        Gravity and the pivot press balls against the lower wall together; friction holds them too.
         """
         (segment, *_) = flow.drive.segments(float(times[-1]))
         acceleration = type(flow.drive).acceleration
-        lifted = np.array([acceleration(float(time), segment) for time in times])
-        ball, gravity = flow.system.balls[0], flow.system.gravity
-        friction = ball.coulomb_damping / (ball.mass * gravity * abs(math.sin(float(start[0]))))
+        accelerations = np.array([acceleration(float(time), segment) for time in times])
+        gravity = flow.system.gravity
+        friction = holding_friction(flow.system, tuple(start[0::2]))
         sign = 1.0 if self.wall == 0 else -1.0
-        return np.asarray(sign * (1.0 + lifted / gravity) + friction)
+        return np.asarray(sign * (1.0 + accelerations / gravity) + friction / gravity)
 
     def _clearance(self, flow: Flow, start: Floats, nodes: Floats) -> Floats:
         """Return how far balls are from touching, and its derivatives, over natural units."""
         angles = self._sampled(flow, start, nodes, "angle")
-        place = angles[0] if flow.size == 2 else angles[0] - angles[1]
+        separation = angles[0] if flow.size == 2 else angles[0] - angles[1]
         sign = 1.0 if self.wall == 0 else -1.0
         rate = flow.system.natural_frequency
-        return _derivatives(nodes * rate, sign * (place - flow.walls[self.wall]))
+        return _derivatives(nodes * rate, sign * (separation - flow.walls[self.wall]))
 
     def _sampled(
         self, flow: Flow, start: Floats, nodes: Floats, name: str, contact: Any = None
@@ -465,17 +470,17 @@ class Touch(Condition):
             values = self._sampled(flow, solution.start, times, "tension", contact=flow.contact)
             return float(np.min(values[self.ball])) / weight
         if self.kind == "lift_off":
-            return float(np.min(self._pressed(flow, solution.start, times)))
+            return float(np.min(self._contact_force(flow, solution.start, times)))
         angles = self._sampled(
             flow, solution.start, times[times <= self.flight * duration], "angle"
         )
-        place = angles[0] if flow.size == 2 else angles[0] - angles[1]
-        return float(min(np.min(place - flow.walls[0]), np.min(flow.walls[1] - place)))
+        separation = angles[0] if flow.size == 2 else angles[0] - angles[1]
+        return float(min(np.min(separation - flow.walls[0]), np.min(flow.walls[1] - separation)))
 
     def tests(self, solution: Solution) -> dict[str, float]:
         """Return those of the multipliers, and of the second derivative of what touches."""
         unit = np.eye(len(solution.matrix))
-        result = {"degenerate": float(self._touched(solution.flow, solution.start)[2])}
+        result = {"degenerate": float(self._touch_derivatives(solution.flow, solution.start)[2])}
         if self.kind == "lift_off":
             return result
         return result | {
@@ -491,7 +496,7 @@ def later(flow: Flow, time: float) -> Flow:
     return replace(flow, drive=replace(drive, drive_phase=phase))
 
 
-def joined(first: Passage, second: Passage, begun: float) -> Passage:
+def joined_passages(first: Passage, second: Passage, begun: float) -> Passage:
     """Return two ways one after the other as one; the second begins `begun` seconds later."""
     return replace(
         second,

@@ -17,7 +17,7 @@ from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess,
 from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
-from latolato.analysis.special_point import SpecialPoint
+from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_number
@@ -65,7 +65,7 @@ def continue_orbit(
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
     initial_offset: float | None = None,
-    period: Annotated[int, PERIODS] = 1,
+    period: Annotated[int | None, PERIODS] = None,
     points: int = 200,
     contact: str | None = "exact",
     tolerance: float = 1e-12,
@@ -88,11 +88,11 @@ def continue_orbit(
         Where the parameter goes at first; a fold may turn it round.
     at : xarray.DataArray, optional
         A special point of another branch of the same system and drive, as ``branch.special[0]``:
-        the branch begins there, in place of the values of system and drive and of a guess. From a
+        the branch begins there, at its motion and its value of the parameter. From a
         period doubling it is that of twice the period, from a broken symmetry or a branch point the
         one that leaves there; both of its halves begin alike, and `direction` has no meaning then.
     initial_angle, initial_angular_velocity, initial_offset, period
-        Guess of the first orbit without `at`, as of `floquet`.
+        Guess of the first orbit, as of `floquet`; the period is 1 by default.
     points : int
         Most points of the branch.
     contact, tolerance, rest_speed
@@ -149,7 +149,13 @@ def continue_orbit(
     """
     check_vertical(drive)
     leaves = False
-    if at is not None:
+    if at is None:
+        period = period or 1
+    else:
+        check_left_out(
+            initial_angle=initial_angle, initial_offset=initial_offset, period=period,
+            initial_angular_velocity=initial_angular_velocity,
+        )  # fmt: skip
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
@@ -219,7 +225,7 @@ def continue_orbit(
     )
     # Each special point holds all that a curve through it needs.
     result = result.assign_coords(special=np.arange(len(specials)))
-    result["special"].attrs.update(parameter=parameter, period=period)
+    result["special"].attrs.update(parameter=parameter, period=period, **laws_of(system, drive))
     return result.set_coords([str(name) for name in result if str(name).startswith("special_")])
 
 

@@ -41,7 +41,7 @@ _MERGED = 1e-5
 
 
 @dataclass(frozen=True)
-class Place:
+class CurvePoint:
     """A point of a curve: unknowns, the motion, the matrix of the equations, the direction."""
 
     unknowns: Floats
@@ -57,7 +57,7 @@ class Special:
     """A point of codimension two: its kind, and where it is."""
 
     kind: str
-    place: Place
+    point: CurvePoint
 
 
 class Curve:
@@ -68,21 +68,21 @@ class Curve:
         plane = condition.plane
         self.low, self.high = plane.low / plane.width, plane.high / plane.width
 
-    def begin(self, guess: Floats) -> Place | None:
+    def begin(self, guess: Floats) -> CurvePoint | None:
         """Return the point of the curve nearest to a guess, or None."""
         unknowns, solution = guess, self.condition.at(guess)
         for _ in range(2 * _TRIALS):
             if solution is None:
                 return None
-            if np.linalg.norm(solution.missed) <= self._limit(solution):
+            if np.linalg.norm(solution.residual) <= self._limit(solution):
                 self.condition.settle(solution)
                 again = self.condition.at(unknowns)
-                place = None if again is None else self._place(unknowns, again)
-                return None if place is None else self._inside(place)
+                point = None if again is None else self._point(unknowns, again)
+                return None if point is None else self._inside(point)
             matrix = self._matrix(unknowns, solution)
             if matrix is None:
                 return None
-            move = np.linalg.lstsq(matrix, -solution.missed, rcond=1e-12)[0]
+            move = np.linalg.lstsq(matrix, -solution.residual, rcond=1e-12)[0]
             size = float(np.linalg.norm(move))
             if size == 0.0:
                 return None
@@ -92,40 +92,40 @@ class Curve:
             solution = self.condition.at(unknowns)
         return None
 
-    def _inside(self, place: Place) -> Place | None:
+    def _inside(self, point: CurvePoint) -> CurvePoint | None:
         """Return a point, or where the curve enters the range if it lies beyond."""
-        border = self._border(place)
+        border = self._border(point)
         if border is None:
-            return place
+            return point
         which, end = border
-        row = np.zeros(len(place.unknowns))
+        row = np.zeros(len(point.unknowns))
         row[which - 2] = 1.0
-        guess = place.unknowns.copy()
+        guess = point.unknowns.copy()
         guess[which - 2] = end
-        return self._solved(place, guess, row)
+        return self._solved(point, guess, row)
 
-    def at_value(self, guess: Floats, row: Floats) -> Place | None:
+    def at_value(self, guess: Floats, row: Floats) -> CurvePoint | None:
         """Return the point of the curve whose distance to a guess is across a direction, or None.
 
         Unlike along the curve, nothing is known of it yet.
         """
         solution = self.condition.at(guess)
-        place = None if solution is None else self._place(guess, solution)
-        return None if place is None else self._solved(place, guess, row)
+        point = None if solution is None else self._point(guess, solution)
+        return None if point is None else self._solved(point, guess, row)
 
-    def is_singular(self, place: Place) -> bool:
+    def is_singular(self, point: CurvePoint) -> bool:
         """Whether the equations leave more than one direction free."""
-        sizes = np.linalg.svd(place.matrix, compute_uv=False)
+        sizes = np.linalg.svd(point.matrix, compute_uv=False)
         return bool(sizes[-1] < _SINGULAR * max(1.0, sizes[0]))
 
     def follow(
         self,
-        first: Place,
+        first: CurvePoint,
         way: float,
         most: int,
-        is_seen: Callable[[Place], None],
-        goal: Place | None = None,
-    ) -> tuple[list[Place], list[Special], str]:
+        on_point: Callable[[CurvePoint], None],
+        goal: CurvePoint | None = None,
+    ) -> tuple[list[CurvePoint], list[Special], str]:
         """Return points of the curve after the first, what is special among them, and its end.
 
         Parameters
@@ -134,91 +134,91 @@ class Curve:
             One along the tangent of the first point, minus one against it.
         most : int
             Most points.
-        is_seen : callable
+        on_point : callable
             Called with each point.
-        goal : Place, optional
+        goal : CurvePoint, optional
             Where the other way stopped: a curve that comes there from beyond is closed.
         """
         self.condition.measure = first.measure
         self.condition.settle(first.solution)
         begun = self._toward(first, way * first.tangent)
-        places: list[Place] = [begun]
+        points: list[CurvePoint] = [begun]
         specials: list[Special] = []
         try:
-            reason = self._follow(places, specials, most, is_seen, goal)
+            reason = self._follow(points, specials, most, on_point, goal)
         except KeyboardInterrupt:
             reason = "interrupted"
-        return places[1:], specials, reason
+        return points[1:], specials, reason
 
     def _follow(
         self,
-        places: list[Place],
+        points: list[CurvePoint],
         specials: list[Special],
         most: int,
-        is_seen: Callable[[Place], None],
-        goal: Place | None,
+        on_point: Callable[[CurvePoint], None],
+        goal: CurvePoint | None,
     ) -> str:
         """Append points of a curve to the first, and special ones; return why it ends."""
-        begun, length = places[0], _FIRST
-        while len(places) <= most:
-            place = places[-1]
-            new = self.correct(place, length)
-            if new is None or new.tangent @ place.tangent < 0.9:
+        begun, length = points[0], _FIRST
+        while len(points) <= most:
+            point = points[-1]
+            new = self.correct(point, length)
+            if new is None or new.tangent @ point.tangent < 0.9:
                 length *= 0.5
                 if length < _SHORTEST:
-                    at_end = self._border(place, _AT_END) is not None
-                    return "end of range" if at_end else self._reason(place)
+                    at_end = self._border(point, _AT_END) is not None
+                    return "end of range" if at_end else self._reason(point)
                 continue
             border = self._border(new)
-            if border is not None and self._border(place, _AT_END) is not None:
+            if border is not None and self._border(point, _AT_END) is not None:
                 return "end of range"  # it began there
             if border is not None:
-                end = self._at_border(place, new, *border)
+                end = self._at_border(point, new, *border)
                 if end is None:
                     length *= 0.5
                     if length < _SHORTEST:
                         return "lost"
                     continue
-                specials += self._specials(place, end)
-                is_seen(end)
-                places.append(end)
+                specials += self._specials(point, end)
+                on_point(end)
+                points.append(end)
                 return "end of range"
             if why := self.condition.obstacle(new.solution):
                 length *= 0.5
                 if length < _CLOSE:
                     return why
                 continue
-            met = self._specials(place, new)
-            merged = self._merged(place, new)
-            if merged is not None:
-                places.append(merged)
+            new_specials = self._specials(point, new)
+            merge = self._merge_between(point, new)
+            if merge is not None:
+                points.append(merge)
                 return "merges"
-            specials += met
-            places.append(self._resized(new))
-            is_seen(new)
+            specials += new_specials
+            points.append(self._resized(new))
+            on_point(new)
             length = min(1.5 * length, _LONGEST)
-            returns = len(places) > 10 and _meets(new, begun, length) > 0.5
+            returns = len(points) > 10 and _meets(new, begun, length) > 0.5
             if returns or (goal is not None and _meets(new, goal, length) < -0.5):
                 return "closed"
         return "points"
 
-    def _resized(self, place: Place) -> Place:
+    def _resized(self, point: CurvePoint) -> CurvePoint:
         """Return a point in units that become those of the condition: the size of its motion."""
-        condition, old, units = self.condition, place.measure, self.condition.units
-        new = condition.size_of(place.solution)
+        condition, old, units = self.condition, point.measure, self.condition.units
+        new = condition.size_of(point.solution)
         if np.all((new > 0.5 * old) & (new < 2.0 * old)):
-            return place
+            return point
         condition.measure = new
         change = units / condition.units
-        unknowns = place.unknowns * change
+        unknowns = point.unknowns * change
         solution = condition.at(unknowns)
-        found = None if solution is None else self._place(unknowns, solution)
+        found = None if solution is None else self._point(unknowns, solution)
         if found is None:
             condition.measure = old
-            return place
-        return self._toward(found, place.tangent * change)
+            return point
+        return self._toward(found, point.tangent * change)
 
-    def _merged(self, old: Place, new: Place) -> Place | None:
+    def _merge_between(self, old: CurvePoint, new: CurvePoint) -> CurvePoint | None:
         """Return the point between two neighbours at which a motion gains a symmetry, or None.
 
         It is then the one from which the curve's motions split, and behind it are their images: how
@@ -231,59 +231,59 @@ class Curve:
             if np.linalg.norm(here) < _MERGED or not float(here @ there) < 0.0:
                 continue
 
-            def value(place: Place, i: int = i, here: Floats = here) -> float:
-                return float(self.condition.images(place.solution)[i] @ here)
+            def value(point: CurvePoint, i: int = i, here: Floats = here) -> float:
+                return float(self.condition.images(point.solution)[i] @ here)
 
-            place = self._zero(value, old, new, reach)
-            if np.linalg.norm(self.condition.images(place.solution)[i]) < _MERGED:
-                return place
+            point = self._zero(value, old, new, reach)
+            if np.linalg.norm(self.condition.images(point.solution)[i]) < _MERGED:
+                return point
         return None
 
-    def _reason(self, place: Place) -> str:
+    def _reason(self, point: CurvePoint) -> str:
         """Return what happens just beyond the end of a curve."""
         for length in _BEYOND:
-            beyond = self.condition.at(place.unknowns + length * place.tangent)
+            beyond = self.condition.at(point.unknowns + length * point.tangent)
             if beyond is None:
                 return "lost"
             if why := self.condition.obstacle(beyond):
                 return why
-            if beyond.passage.impacts != place.solution.passage.impacts:
+            if beyond.passage.impacts != point.solution.passage.impacts:
                 return "grazing"
         return "lost"
 
-    def correct(self, place: Place, length: float) -> Place | None:
+    def correct(self, point: CurvePoint, length: float) -> CurvePoint | None:
         """Return the point of the curve at a distance along the tangent, or None."""
-        guess = place.unknowns + length * place.tangent
-        return self._solved(place, guess, place.tangent)
+        guess = point.unknowns + length * point.tangent
+        return self._solved(point, guess, point.tangent)
 
-    def _solved(self, place: Place, guess: Floats, row: Floats) -> Place | None:
+    def _solved(self, point: CurvePoint, guess: Floats, row: Floats) -> CurvePoint | None:
         """Return the point of the curve whose distance to a guess is across a direction, or None.
 
         Newton's method with the matrix of the last point, improved after each trial (Broyden 1965).
         """
         unknowns, solution = guess, self.condition.at(guess)
-        bordered, is_polished = np.vstack([place.matrix, row]), False
+        bordered, is_polished = np.vstack([point.matrix, row]), False
         for _ in range(_TRIALS):
-            if solution is None or not np.all(np.isfinite(solution.missed)):
+            if solution is None or not np.all(np.isfinite(solution.residual)):
                 return None
-            missed = np.append(solution.missed, row @ (unknowns - guess))
-            is_solved = np.linalg.norm(missed) <= self._limit(solution)
-            if is_solved and (is_polished or not missed.any()):
-                found = self._place(unknowns, solution)
-                return None if found is None else self._toward(found, place.tangent)
+            residual = np.append(solution.residual, row @ (unknowns - guess))
+            is_solved = np.linalg.norm(residual) <= self._limit(solution)
+            if is_solved and (is_polished or not residual.any()):
+                found = self._point(unknowns, solution)
+                return None if found is None else self._toward(found, point.tangent)
             is_polished = bool(is_solved)
-            move = np.linalg.solve(bordered, -missed)
+            move = np.linalg.solve(bordered, -residual)
             size = float(np.linalg.norm(move))
             if size > 10.0 * _LONGEST:
                 return None
             unknowns = unknowns + move
             solution = self.condition.at(unknowns)
             if solution is not None:
-                left = np.append(solution.missed, row @ (unknowns - guess))
+                left = np.append(solution.residual, row @ (unknowns - guess))
                 bordered = bordered + np.outer(left, move) / size**2
         return None
 
-    def _place(self, unknowns: Floats, solution: Solution) -> Place | None:
+    def _point(self, unknowns: Floats, solution: Solution) -> CurvePoint | None:
         """Return a point with its matrix, direction and tests."""
         self.condition.settle(solution)
         matrix = self._matrix(unknowns, solution)
@@ -291,34 +291,34 @@ class Curve:
             return None
         tangent = np.linalg.svd(matrix)[2][-1]
         tests, measure = self.condition.tests(solution), self.condition.measure
-        return Place(unknowns, measure, solution, matrix, tangent, tests)
+        return CurvePoint(unknowns, measure, solution, matrix, tangent, tests)
 
-    def _toward(self, place: Place, like: Floats) -> Place:
+    def _toward(self, point: CurvePoint, like: Floats) -> CurvePoint:
         """Return a point whose tangent points like a direction."""
-        if place.tangent @ like >= 0.0:
-            return place
-        return replace(place, tangent=-place.tangent)
+        if point.tangent @ like >= 0.0:
+            return point
+        return replace(point, tangent=-point.tangent)
 
     def _matrix(self, unknowns: Floats, solution: Solution) -> Floats | None:
         """Return the derivatives of the equations, by differences to one side."""
         columns = []
         for direction in np.eye(len(unknowns)):
             for width in (_DIFFERENCE, -_DIFFERENCE):
-                moved = self.condition.at(unknowns + width * direction)
-                if moved is not None:
+                beside = self.condition.at(unknowns + width * direction)
+                if beside is not None:
                     break
-            if moved is None:
+            if beside is None:
                 return None
-            columns.append((moved.missed - solution.missed) / width)
+            columns.append((beside.residual - solution.residual) / width)
         matrix = np.array(columns).T
         return matrix if np.all(np.isfinite(matrix)) else None
 
-    def _border(self, place: Place, nearness: float = 0.0) -> tuple[int, float] | None:
+    def _border(self, point: CurvePoint, nearness: float = 0.0) -> tuple[int, float] | None:
         """Return which parameter is outside its range by most, and the end that it passed.
 
         Being inside by less than `nearness` counts too.
         """
-        values = place.unknowns[-2:]
+        values = point.unknowns[-2:]
         beyond = np.maximum(self.low - values, values - self.high)
         which = int(np.argmax(beyond))
         if beyond[which] <= -nearness:
@@ -326,7 +326,9 @@ class Curve:
         middle = 0.5 * (self.low[which] + self.high[which])
         return which, float(self.low[which] if values[which] < middle else self.high[which])
 
-    def _at_border(self, old: Place, new: Place, which: int, end: float) -> Place | None:
+    def _at_border(
+        self, old: CurvePoint, new: CurvePoint, which: int, end: float
+    ) -> CurvePoint | None:
         """Return the point at which a parameter reaches the end of its range."""
         row = np.zeros(len(old.unknowns))
         row[which - 2] = 1.0
@@ -336,16 +338,16 @@ class Curve:
         guess[which - 2] = end
         return self._solved(old, guess, row)
 
-    def _specials(self, old: Place, new: Place) -> list[Special]:
+    def _specials(self, old: CurvePoint, new: CurvePoint) -> list[Special]:
         """Return the points of codimension two between two neighbours."""
         found = []
         reach = float(old.tangent @ (new.unknowns - old.unknowns))
         for kind in (*old.tests, "cusp"):
 
-            def value(place: Place, kind: str = kind) -> float:
+            def value(point: CurvePoint, kind: str = kind) -> float:
                 # At a cusp both parameters turn back.
-                back = float(place.tangent[-2:] @ old.tangent[-2:])
-                return back if kind == "cusp" else place.tests[kind]
+                back = float(point.tangent[-2:] @ old.tangent[-2:])
+                return back if kind == "cusp" else point.tests[kind]
 
             before, after = value(old), value(new)
             is_rounding = max(abs(before), abs(after)) < _ROUNDING
@@ -356,22 +358,24 @@ class Curve:
                 found.append(Special(kind, there))
         return found
 
-    def _zero(self, value: Callable[[Place], float], old: Place, new: Place, reach: float) -> Place:
+    def _zero(
+        self, value: Callable[[CurvePoint], float], old: CurvePoint, new: CurvePoint, reach: float
+    ) -> CurvePoint:
         """Return the point between two neighbours at which a function is nearest to zero."""
         located = {0.0: old, reach: new}
 
         def at(length: float) -> float:
             if length not in located:
-                place = self.correct(old, length)
-                if place is None:
+                point = self.correct(old, length)
+                if point is None:
                     raise ArithmeticError
-                located[length] = place
+                located[length] = point
             return value(located[length])
 
         # Where branches meet Newton's method may fail: the nearest point will do.
         with suppress(ArithmeticError):
             brentq(at, 0.0, reach, xtol=1e-9)
-        return min(located.values(), key=lambda place: abs(value(place)))
+        return min(located.values(), key=lambda point: abs(value(point)))
 
     def _limit(self, solution: Solution) -> float:
         """Return how well equations can be solved: a motion enlarges errors, of rounding too."""
@@ -379,7 +383,7 @@ class Curve:
         return enlarged * _SOLVED + _ROUNDED / float(self.condition.measure[0])
 
 
-def _meets(new: Place, old: Place, length: float) -> float:
+def _meets(new: CurvePoint, old: CurvePoint, length: float) -> float:
     """Return the cosine between the directions of two points within a step of each other, or 0."""
     if not np.array_equal(new.measure, old.measure):
         return 0.0

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -271,11 +272,18 @@ def value_of(system: System, drive: Drive, name: str) -> float:
 
 def parameter_of(system: System, drive: Drive, name: Any) -> Parameter:
     """Return a parameter of the laws; the start is none here, as an orbit brings its own."""
-    known = {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
+    laws: tuple[Any, Any] = type(system), type(drive)
+    known = _parameters_of_laws(*laws)
     if not isinstance(name, str) or name not in known:
         hint = suggest(str(name), list(known))
         raise broken_rule("unknown", {"kind": "parameter", "name": name, "hint": hint})
     return known[name]
+
+
+@cache
+def _parameters_of_laws(system: Any, drive: Any) -> dict[str, Parameter]:
+    """Return the parameters of two classes of laws; continuation needs them at every motion."""
+    return {k: v for k, v in parameters_of(system, drive).items() if v.owner != "run"}
 
 
 def _unit_of(system: System, drive: Any, name: str) -> float:

@@ -151,10 +151,10 @@ def shoot(flow: Flow, guess: Floats, duration: float) -> Orbit:
         for halving in range(_HALVINGS):
             trial = confined(flow, x + scale * move * 0.5**halving)
             passed = flow.follow(trial, duration)
-            missed = gap_of(trial, passed.end, turns)
-            smaller = float(np.linalg.norm(missed / scale))
+            residual = gap_of(trial, passed.end, turns)
+            smaller = float(np.linalg.norm(residual / scale))
             if passed.is_complete and smaller < size * (1.0 - 1e-4 * 0.5**halving):
-                x, passage, gap = trial, passed, missed
+                x, passage, gap = trial, passed, residual
                 break
         else:
             break

@@ -129,8 +129,8 @@ def _beyond(
     if first is None:
         return None
     way = 1.0 if first.tangent[-1] >= 0.0 else -1.0
-    places, _, _ = curve.follow(first, way, _POINTS, lambda _: None)
-    end = next((p for p in places if p.unknowns[-1] * enough >= 0.999 * enough), None)
+    points, _, _ = curve.follow(first, way, _POINTS, lambda _: None)
+    end = next((p for p in points if p.unknowns[-1] * enough >= 0.999 * enough), None)
     if end is None:
         return None
     solution = end.solution

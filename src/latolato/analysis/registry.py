@@ -62,6 +62,8 @@ def _checked_and_recorded(name: str, function: Any) -> Any:
         bound.apply_defaults()
         for own, parameter in known().items():
             value = bound.arguments[own]
+            if parameter.unit_of and parameter.several:
+                continue
             if parameter.unit_of and is_quantity(value):
                 system, drive = bound.arguments["system"], bound.arguments["drive"]
                 quantity = quantity_named(bound.arguments[parameter.unit_of], system, drive)
@@ -87,7 +89,7 @@ def _checked(parameter: Parameter, value: Any) -> Any:
     """Return a checked argument; one number is an axis of one value."""
     if not parameter.several:
         return parameter.checked(value)
-    if not np.ndim(value):
+    if not isinstance(value, (list, tuple)) and not np.ndim(value):
         return np.array([parameter.checked(value)])
     return np.array(checked_array(parameter.name, value, parameter.allowed, unit=parameter.unit))
 

@@ -130,10 +130,6 @@ RULES = {
     "two_parameters": Rule("must be two parameters that do not set the same thing"),
     "end_of_each": Rule("must be a value for each of both parameters"),
     "touching_balls": Rule("needs balls that can touch", "use LatoLato"),
-    "described_lift_off": Rule(
-        "is not described for air at rest in the room, nor for two balls that may differ",
-        "use LatoLato, or compute self_start",
-    ),
     "needs_strings": Rule("needs strings", "give suspension='string'"),
     "needs_mirror": Rule(
         "needs a motion that equals its image in a mirror, and this one has none",
@@ -146,6 +142,11 @@ RULES = {
         "must be a special point of continue_orbit",
         "give branch.special[0], and the drive of the branch",
     ),
+    "point_of_other": Rule(
+        "is of a branch whose {name} is {there}, but here it is {here}",
+        "give the system and the drive of the branch",
+    ),
+    "brought_by_point": Rule("comes with the special point that at gives", "leave out one of both"),
     "start_below_threshold": Rule(
         "the start must lie below threshold_angle {threshold:g} rad; give a larger one"
     ),

@@ -102,10 +102,10 @@ def self_start(
     >>> print(f"{ll.analysis.self_start(toy, 3.0, crank).drive_amplitude:.6f}")
     0.127322
     """
-    angles = _resting_angles(system)
+    angles = resting_angles(system)
     template = checked_template(drive)
     w = frequency_ratio * system.natural_frequency
-    needed = (system.gravity + _friction(system, angles)) / w**2
+    needed = (system.gravity + holding_friction(system, angles)) / w**2
     amplitude = _amplitude(template, needed)
     status = "found"
     if math.isnan(amplitude):
@@ -133,8 +133,15 @@ def self_start(
     )
 
 
-def _resting_angles(system: System) -> tuple[float, ...]:
-    """Return the angles of the balls at rest against each other [rad]."""
+def resting_angles(system: System) -> tuple[float, ...]:
+    """Return the angles of the balls at rest against each other [rad].
+
+    Raises
+    ------
+    InputError
+        For balls that cannot touch or that nothing lifts, drag in the room, and strings of which
+        one would have to push.
+    """
     check_drag(checked_system(system))
     angles = hanging_angles(system)
     if not system.has_contacts:
@@ -146,7 +153,7 @@ def _resting_angles(system: System) -> tuple[float, ...]:
     return angles
 
 
-def _friction(system: System, angles: tuple[float, ...]) -> float:
+def holding_friction(system: System, angles: tuple[float, ...]) -> float:
     """Return the upward acceleration that the Coulomb friction adds to gravity [m/s^2].
 
     A string goes slack first, and friction at the hinge does not hold a ball on a slack string.

@@ -202,7 +202,10 @@ def _shown(parameter: Parameter, value: Any) -> str:
 
 @dataclass(frozen=True)
 class UnitOf:
-    """Mark of a number in the unit of the quantity that another parameter names."""
+    """Mark of a number in the unit of the quantity that another parameter names.
+
+    Of several numbers each has the unit of its own name there; the function checks them itself.
+    """
 
     parameter: str
 
@@ -230,6 +233,9 @@ def function_parameters(
         marks: dict[type, Any] = {type(mark): mark for mark in getattr(hint, "__metadata__", ())}
         if get_origin(hint) is Annotated:
             hint = get_args(hint)[0]
+        kinds = [kind for kind in get_args(hint) if kind is not type(None)]
+        if get_origin(hint) in (Union, UnionType) and len(kinds) == 1:
+            hint = kinds[0]
         choices = get_args(hint) if get_origin(hint) is Literal else ()
         is_needed = parameter.default is parameter.empty
         single, several = (str, None) if choices else _kinds(hint)

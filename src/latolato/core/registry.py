@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from array import array
-from collections.abc import Callable, Iterator, Mapping, Sequence, Set
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence, Set
 from dataclasses import MISSING, Field, fields, is_dataclass
 from functools import lru_cache, wraps
 from itertools import pairwise
@@ -420,6 +420,24 @@ def flattened(described: Mapping[str, Any]) -> dict[str, Any]:
         elif name != "kind" and value is not None:
             result[name] = int(value) if isinstance(value, bool) else value
     return result
+
+
+def first_difference(
+    names: Iterable[str], one: Mapping[str, Any], other: Mapping[str, Any]
+) -> str | None:
+    """Return the first name whose values differ by more than rounding, or None.
+
+    Examples
+    --------
+    >>> first_difference(["mass", "radius"], {"mass": 0.1, "radius": 0.0}, {"mass": 0.1})
+    'radius'
+    """
+
+    def are_close(a: Any, b: Any) -> bool:
+        both = isinstance(a, (int, float)) and isinstance(b, (int, float))
+        return a == b or (both and math.isclose(a, b, rel_tol=1e-9))
+
+    return next((name for name in names if not are_close(one.get(name), other.get(name))), None)
 
 
 def named(law: Law) -> Law:

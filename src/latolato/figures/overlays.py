@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.parameters import law_parameters
-from latolato.core.registry import suggest
+from latolato.core.registry import first_difference, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_table import read_trials
 from latolato.figures import style
@@ -186,24 +186,18 @@ def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> 
     usual = {p.name: p.default for law, owner in laws for p in law_parameters(law, owner)}
     usual |= {"system": None, "drive": None, "contact": "none"}
     kinds = ("system", "drive")
-    for name in [*kinds, *sorted(usual.keys() - varied - {*kinds, "drive_phase"})]:
-        scalar = name in grid.coords and not grid[name].ndim
-        here = grid[name].item() if scalar else grid.attrs.get(name, usual[name])
-        there = curve.attrs.get(name, usual[name])
-        if here != there and not _are_close(here, there):
-            values = {"name": name, "there": _said(there), "here": _said(here)}
-            raise broken_rule("other_system", values)
+    names = [*kinds, *sorted(usual.keys() - varied - {*kinds, "drive_phase"})]
+    scalars = {str(name): c.item() for name, c in grid.coords.items() if not c.ndim}
+    here, there = {**usual, **grid.attrs, **scalars}, {**usual, **curve.attrs}
+    name = first_difference(names, here, there)
+    if name is not None:
+        values = {"name": name, "there": _said(there[name]), "here": _said(here[name])}
+        raise broken_rule("other_system", values)
 
 
 def _said(value: Any) -> str:
     """Return a value of a parameter as a text."""
     return f"{value:.9g}" if isinstance(value, (int, float)) else str(value)
-
-
-def _are_close(one: Any, other: Any) -> bool:
-    """Whether two values are numbers that differ by rounding only."""
-    both = isinstance(one, (int, float)) and isinstance(other, (int, float))
-    return both and math.isclose(one, other, rel_tol=1e-9)
 
 
 def draw(axes: Axes, context: Context, name: str) -> Any:

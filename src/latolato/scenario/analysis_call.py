@@ -120,7 +120,7 @@ class AnalysisCall:
 
     def _unit(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> str:
         """Return the unit of an option; that of the quantity that another one names, if need be."""
-        if not option.unit_of:
+        if not option.unit_of or option.several:
             return option.unit
         from latolato.analysis.registry import quantity_named
 

@@ -91,6 +91,8 @@ def own_options(
 def _option(option: Parameter) -> dict[str, Any]:
     """Return how an option of an analysis is shown, and what it may be."""
     default = "" if option.is_required or option.default is None else option.default
+    if not default and option.choices:
+        default = option.choices[0]  # a page shows one of them
     if isinstance(default, (tuple, list)):
         default = ", ".join(v if isinstance(v, str) else f"{v:g}" for v in default)
     description = _SI.sub("", option.description)
@@ -102,7 +104,7 @@ def _option(option: Parameter) -> dict[str, Any]:
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
         "suggested": None,
-        "is_in_unit_of_parameter": bool(option.unit_of),
+        "is_in_unit_of_parameter": bool(option.unit_of) and not option.several,
     }
     return shown_option(option) | shown
 
