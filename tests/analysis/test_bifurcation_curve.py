@@ -357,6 +357,8 @@ def test_undamped_motions_are_neutral_on_both_sides_of_a_tongue():
         free, shake(1.9, 0.05), kind="period_doubling", low=(0.01, 1.7), high=(0.2, 1.99), points=40
     )
     assert curve.is_edge.values.all()
+    # Without losses the other multiplier is minus one all along, which is no resonance.
+    assert not curve.sizes["special"]
 
 
 def test_a_second_doubling_is_told_with_its_period():

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
+from latolato.analysis import floquet
 from latolato.app import CURVES
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.map import curves, files
 from latolato.core.errors import InputError
+from latolato.figures.analyses.stored_system import drive_of, system_of
 
 PATIENCE = 240_000
 FIG11 = "&map.scenario=fig11&map.size=16&map.duration=10&map.transient=5"
@@ -27,9 +31,14 @@ def wait_for_curves(page, count):
     )
 
 
-def test_shipped_curves_are_what_their_makers_give(tmp_path):
+# The motions of fig05 take a hundred shakes of each point: a minute for each curve.
+MADE = [pytest.param("fig05", marks=pytest.mark.slow), "fig09", "fig11"]
+
+
+@pytest.mark.parametrize("name", MADE)
+def test_shipped_curves_are_what_their_makers_give(name, tmp_path):
     assert {path.stem for path in CURVES.glob("*")} == set(curves.SHIPPED)
-    for path in curves.write_shipped(tmp_path):
+    for path in curves.write_shipped([name], tmp_path):
         pairs = [
             curves.read_curves((folder / path.name).read_text(encoding="utf-8"))
             for folder in (CURVES, tmp_path)
@@ -45,6 +54,31 @@ def test_shipped_curves_are_what_their_makers_give(tmp_path):
                 else:
                     # Places are solved to 1e-10; the multipliers have the root of that at a fold.
                     np.testing.assert_allclose(kept[name], variable, rtol=1e-5, atol=1e-7)
+
+
+@pytest.mark.parametrize("name", curves.SHIPPED)
+def test_motions_on_shipped_curves_are_at_their_bifurcations(name):
+    text = (CURVES / f"{name}.csv").read_text(encoding="utf-8")
+    critical = {"fold": 1.0, "period_doubling": -1.0}
+    for curve in curves.read_curves(text):
+        system, drive = system_of(curve), drive_of(curve)
+        kind, period = str(curve.attrs["bifurcation"]), int(curve.attrs["period"])
+        for k in np.linspace(0, curve.sizes["point"] - 1, 4).astype(int):
+            point = curve.isel(point=k)
+            ratio, amplitude = float(point.frequency_ratio), float(point.drive_amplitude)
+            frequency = ratio * system.natural_frequency
+            if kind == "lift_off":
+                assert amplitude * frequency**2 == pytest.approx(system.gravity)
+                continue
+            orbit = floquet(
+                system,
+                replace(drive, drive_amplitude=amplitude, drive_frequency=frequency),
+                initial_angle=float(point.initial_angle),
+                initial_angular_velocity=float(point.initial_angular_velocity),
+                period=period,
+            )
+            # Multipliers have the root of the errors of a place where two of them meet.
+            assert np.abs(orbit.multipliers - critical[kind]).min() < 1e-3
 
 
 def test_scenarios_of_maps_name_the_files_of_their_curves():

@@ -32,6 +32,8 @@ from latolato.simulation.vary import DERIVED
 _FLIGHT = 0.05
 # A point at which motions merge is known to some 1e-5: it and its image are one within this.
 NEARLY = 1e-4
+# A product of all multipliers so near one is that of a motion without losses.
+_LOSSLESS = 1e-6
 # Samples of one instant: a polynomial through so many, over so much of a drive period, gives value
 # and derivatives at its beginning to some 1e-12.
 _NODES, _SPAN = 9, 0.02
@@ -281,8 +283,14 @@ class Multiplier(Condition):
         return np.delete(multipliers, np.argmin(np.abs(multipliers - self.critical)))
 
     def tests(self, solution: Solution) -> dict[str, float]:
-        """Return those of other multipliers: one equals the critical one, or is its opposite."""
+        """Return those of other multipliers: one equals the critical one, or is its opposite.
+
+        Without losses multipliers come in pairs of product one, so the partner of the critical one
+        equals it at every point of the curve, which is no event.
+        """
         others = self.others(solution)
+        if abs(np.linalg.det(solution.matrix) - 1.0) < _LOSSLESS:
+            others = np.delete(others, np.argmin(np.abs(others - self.critical)))
         equal = float(np.real(np.prod(self.critical - others)))
         opposite = float(np.real(np.prod(self.critical + others)))
         resonance = "resonance_1_1" if self.critical > 0.0 else "resonance_1_2"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -98,18 +99,12 @@ def data(quick: bool = False) -> xr.Dataset:
     axes = grids.paper_axes(TOY.length, count)
     edge, ratios = (QUICK_EDGE, QUICK_RATIOS) if quick else (EDGE, RATIOS)
     long = {"drive_amplitude": edge, "frequency_ratio": ratios}
-    curves = [
-        analysis.bifurcation_curve(
-            TOY, _shake(ratio, amplitude), kind="period_doubling", initial_angle=start,
-            period=shakes, low=(0.1, slow), high=(0.4, fast), points=100,
-        )
-        for shakes, amplitude, ratio, start, slow, fast in (QUICK_MOTIONS if quick else MOTIONS)
-    ]  # fmt: skip
-    longest = max(curve.sizes["point"] for curve in curves)
+    doublings = curves(QUICK_MOTIONS if quick else MOTIONS)
+    longest = max(curve.sizes["point"] for curve in doublings)
 
     def padded(name: str) -> Floats:
-        rows = np.full((len(curves), longest), np.nan)
-        for row, curve in zip(rows, curves, strict=True):
+        rows = np.full((len(doublings), longest), np.nan)
+        for row, curve in zip(rows, doublings, strict=True):
             row[: curve.sizes["point"]] = curve[name].values
         return rows
 
@@ -135,8 +130,8 @@ def data(quick: bool = False) -> xr.Dataset:
         ),
         "curve_amplitude": (("motion", "point"), padded("drive_amplitude"), _AMPLITUDE),
         "curve_ratio": (("motion", "point"), padded("frequency_ratio"), _RATIO),
-        "impacts": ("motion", [float(curve.impacts[0]) for curve in curves], _IMPACTS),
-        "shakes": ("motion", [float(curve.attrs["period"]) for curve in curves], _SHAKES),
+        "impacts": ("motion", [float(curve.impacts[0]) for curve in doublings], _IMPACTS),
+        "shakes": ("motion", [float(curve.attrs["period"]) for curve in doublings], _SHAKES),
         **{
             name: (visits, np.array([[run[name].values for run in row] for row in sections]),
                    QUANTITIES[name].attributes)
@@ -153,6 +148,19 @@ def data(quick: bool = False) -> xr.Dataset:
         },
         attrs={"title": TITLE},
     )
+
+
+def curves(motions: Sequence[Sequence[float]] = MOTIONS) -> list[xr.Dataset]:
+    """Return the curves on which motions of many shakes double their period."""
+    from latolato import analysis
+
+    return [
+        analysis.bifurcation_curve(
+            TOY, _shake(ratio, amplitude), kind="period_doubling", initial_angle=start,
+            period=int(shakes), low=(0.1, slow), high=(0.4, fast), points=100,
+        )
+        for shakes, amplitude, ratio, start, slow, fast in motions
+    ]  # fmt: skip
 
 
 def _plane(runs: xr.DataArray) -> Floats:

@@ -50,7 +50,7 @@ AMPLITUDES = (0.010, 0.020)  # m, of the branches
 # Followed from within the region to below the folds, in natural frequencies.
 FOLLOWED = (2.04, 0.72)
 # Within these the curves and branches are computed: drive amplitude [m], natural frequencies.
-_LOW, _HIGH = (0.001, 0.5), (0.060, 2.6)
+_LOW, _HIGH = (0.005, 0.5), (0.060, 2.6)
 # Where the swing is found first: a start [rad], and the shakes after which it has settled.
 _BEGIN, _START, _SETTLED = 1.95, 0.5, 800
 # How far inside the right edge, in natural frequencies, the growth of the swing is compared.
@@ -84,7 +84,7 @@ def data(quick: bool = False) -> xr.Dataset:
     """Return the map, both edges, and the branches and followed motions at two amplitudes."""
     import xarray as xr
 
-    from latolato import analysis, sweep
+    from latolato import sweep
 
     rows, columns = QUICK_POINTS if quick else POINTS
     axes = {
@@ -103,15 +103,7 @@ def data(quick: bool = False) -> xr.Dataset:
         axes={"drive_amplitude": list(AMPLITUDES), "frequency_ratio": ratios[::-1]},
         initial_angle=_START, continuation="frequency_ratio", direction="down", **options,
     )  # fmt: skip
-    # Without damping and for small amplitudes the edges are at 2 -+ 2 A0/l.
-    side = 2.0 * AMPLITUDES[-1] / paper.SINGLE.length
-    edges = [
-        analysis.bifurcation_curve(
-            paper.SINGLE, _shake(2.0 + sign * side, AMPLITUDES[-1]), kind="period_doubling",
-            initial_angle=0.0, low=(fig09.AMPLITUDES[0], _LOW[1]), high=_HIGH, points=60,
-        )
-        for sign in (-1.0, 1.0)
-    ]  # fmt: skip
+    edges = curves()
     branches = [_branch(amplitude) for amplitude in AMPLITUDES]
     longest = max(branch.sizes["point"] for branch in branches)
     farthest = max(edge.sizes["point"] for edge in edges)
@@ -143,6 +135,21 @@ def data(quick: bool = False) -> xr.Dataset:
         },
         attrs={"title": TITLE},
     )
+
+
+def curves() -> list[xr.Dataset]:
+    """Return the left and the right edge, on which hanging doubles its period."""
+    from latolato import analysis
+
+    # Without damping and for small amplitudes they are at 2 -+ 2 A0/l.
+    side = 2.0 * AMPLITUDES[-1] / paper.SINGLE.length
+    return [
+        analysis.bifurcation_curve(
+            paper.SINGLE, _shake(2.0 + sign * side, AMPLITUDES[-1]), kind="period_doubling",
+            initial_angle=0.0, low=_LOW, high=_HIGH, points=60,
+        )
+        for sign in (-1.0, 1.0)
+    ]  # fmt: skip
 
 
 def _branch(amplitude: float) -> xr.Dataset:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import csv
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,7 +14,7 @@ from latolato.app import CURVES
 from latolato.app.analyse.answer import to_csv
 from latolato.core.errors import InputError
 from latolato.io.shown_units import name_and_unit
-from latolato.paper import curves_fig11
+from latolato.paper import curves_fig05, curves_fig09, curves_fig11
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -26,17 +26,19 @@ _NAME = re.compile(r"'(\w+)'")
 _FIG11 = 0.04
 # By the names of scenarios; each makes the curves over its map.
 SHIPPED: dict[str, Callable[[], Sequence[xr.Dataset]]] = {
-    "fig11": lambda: curves_fig11.curves(_FIG11)
+    "fig05": curves_fig05.curves,
+    "fig09": curves_fig09.curves,
+    "fig11": lambda: curves_fig11.curves(_FIG11),
 }
 
 
-def write_shipped(folder: Path = CURVES) -> list[Path]:
+def write_shipped(names: Iterable[str] = SHIPPED, folder: Path = CURVES) -> list[Path]:
     """Compute the curves that are shipped with scenarios, a file for each; return the files."""
     folder.mkdir(exist_ok=True)
     paths = []
-    for name, make in SHIPPED.items():
+    for name in names:
         paths.append(folder / f"{name}.csv")
-        paths[-1].write_text("\n".join(map(to_csv, make())), encoding="utf-8")
+        paths[-1].write_text("\n".join(map(to_csv, SHIPPED[name]())), encoding="utf-8")
     return paths
 
 
