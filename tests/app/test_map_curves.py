@@ -225,3 +225,32 @@ def test_files_of_curves_and_trials_are_told_apart_and_others_are_refused(page, 
     wait_for_curves(page, 2)
     field.set_input_files([])
     wait_for_curves(page, 0)
+
+
+def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
+    page.goto(
+        "/?view=analyse&scenario=toy&drive_amplitude=27.6 mm&analyse.what=bifurcation_curve"
+        "&analyse.kind=lift_off&analyse.initial_angle=0.0901219&analyse.low=0.005, 1.5"
+        "&analyse.high=0.05, 4&analyse.points=30&analyse.ask=1"
+        "&analyse.parameters=drive_amplitude, frequency_ratio"
+    )
+    page.get_by_role("button", name="Show over a map").click(timeout=PATIENCE)
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    wait_for_curves(page, 1)
+    found = page.evaluate(
+        """() => {
+          const { grid, chart, question } = window.latolato.views.map;
+          return { x: [grid.xAxis.name, grid.x[0], grid.x.at(-1)],
+            y: [grid.yAxis.name, grid.y[0], grid.y.at(-1)], kind: chart.curves[0].kind,
+            angle: question.options.initial_angle, length: question.options.length };
+        }"""
+    )
+    options = registry()["scenarios"]["toy"]["options"]
+    assert found["x"] == ["frequency_ratio", 1.5, 4.0]
+    assert found["y"] == ["drive_amplitude", 0.005, 0.05]
+    assert found["kind"] == "lift_off"
+    assert (found["angle"], found["length"]) == (options["initial_angle"], options["length"])
+    # The page forgets it when it is loaded again, and shows the map alone.
+    page.reload()
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    wait_for_curves(page, 0)

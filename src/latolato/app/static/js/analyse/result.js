@@ -74,7 +74,7 @@ export class ResultCard {
           el("table", { class: "numbers", lang: ENGLISH }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
               el("th", { scope: "row" }, name), el("td", {}, text)))))),
-        el("div", { class: "actions" }, ...files.map((kind) =>
+        this.actions = el("div", { class: "actions" }, ...files.map((kind) =>
           el("button", { type: "button", on: { click: save(kind) } }, t(`file_${kind}`))))),
       el("details", { class: "card" }, el("summary", {}, t("code")),
         el("p", { class: "hint" }, t("codeOfAnalysis")), ...codeBlocks([about.python, about.command])));

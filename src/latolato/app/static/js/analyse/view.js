@@ -3,7 +3,7 @@
 import { askJson, newest, Offline, Refusal } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
-import { JobLine } from "../page/jobs.js";
+import { fileOf, JobLine } from "../page/jobs.js";
 import { openLink, withOptions } from "../page/links.js";
 import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
@@ -13,6 +13,7 @@ import { inWords } from "../page/words.js";
 import { ENGLISH, t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
+import { openOverMap } from "./over_map.js";
 import { PointRun } from "./point.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
@@ -21,6 +22,8 @@ import { PointRun } from "./point.js";
 
 const KEY = "analyse.";
 const WHAT = `${KEY}what`;
+// The analysis whose result is drawn over maps too.
+const CURVE = "bifurcation_curve";
 // Whoever opens a link with this part need not press Compute.
 const ASK = `${KEY}ask`;
 // Whoever moves a slider has come to a stop after this time.
@@ -224,6 +227,11 @@ export class AnalyseView {
     else this.job.error.hidden = true;
   }
 
+  /** @param {import("../page/block.js").Block} block a bifurcation curve */
+  async showOverMap(block) {
+    openOverMap(this.page, await fileOf(block, "csv", "text/csv").text());
+  }
+
   /** Ask the server, and show the result. */
   async compute() {
     const { question } = this;
@@ -243,6 +251,8 @@ export class AnalyseView {
       void this.point.show({ scenario: question.scenario,
         options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values
         ? t("pointSaid", { values: said }) : t("pointSaidStart", { values: said })));
+    if (question.analysis === CURVE) answer.actions.append(el("button", { type: "button", on: {
+      click: () => void this.showOverMap(block) } }, t("showOverMap")));
     this.point.rest();
     this.point.root.hidden = true;
     answer.after.append(this.point.root);

@@ -14,7 +14,7 @@ import { columnsOf, LINE_END } from "./trials.js";
  * ball, its largest angle [rad] and its word, and whether a stable motion ends there. `special` are
  * the points of codimension two.
  * @typedef {{text: string, kind: string, parameters: [string, string], labels: Record<string, string>,
- *   low: number[], high: number[], values: [number[], number[]], angles: number[][],
+ *   values: [number[], number[]], angles: number[][],
  *   velocities: number[][], largest: number[], words: string[], edges: boolean[],
  *   special: {kind: string, values: number[]}[]}} Curve
  *
@@ -92,8 +92,7 @@ function curveOf(labels, tables) {
   const special = [numbers(`special_${one}`), numbers(`special_${other}`)];
   const balls = numbers("initial_angle").length / (values[0].length || 1);
   const perBall = (/** @type {number[]} */ all) => values[0].map((_, i) => all.slice(balls * i, balls * (i + 1)));
-  const ends = (/** @type {string} */ name) => (labels[name] ?? "").match(/[^\s[\],]+/g)?.map(Number) ?? [];
-  return { kind: labels.bifurcation, parameters: [one, other], labels, low: ends("low"), high: ends("high"), values,
+  return { kind: labels.bifurcation, parameters: [one, other], labels, values,
     angles: perBall(numbers("initial_angle")), velocities: perBall(numbers("initial_angular_velocity")),
     largest: numbers("largest_angle"), words: texts("word"), edges: numbers("is_edge").map(Boolean),
     special: texts("special_kind").map((kind, i) => ({ kind, values: special.map((each) => each[i]) })) };

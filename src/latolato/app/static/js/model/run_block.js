@@ -51,7 +51,9 @@ function aboutOf(run) {
   // Of a run that stopped early, the last one before it did.
   const last = (/** @type {string} */ name) => columns[name][0].filter(Number.isFinite).at(-1) ?? NaN;
   return {
-    options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal, warnings, duration: each.duration, attributes: attributesOf(run, options),
+    options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal,
+    drive_period: registry.drives[each.drive.kind].periodic ? 2 * Math.PI / Number(each.drive.parameters.drive_frequency) : null,
+    warnings, duration: each.duration, attributes: attributesOf(run, options),
     contact_kinds: kernels.layout.contact_kinds, balls: ballsOf(system),
     ledger: Object.fromEntries(LEDGER.filter((name) => name in columns).map((name) => [name, last(name)])),
     python: pythonLines(registry, options), command: commandLine(registry, options),
