@@ -131,10 +131,9 @@ def continue_orbit(
     fold otherwise. Bouncing balls that hop by less than 0.1 rad are followed in units of their
     hops. Missed are two special points of the same kind within one step, and branches that are not
     connected to the first orbit. At a graze the map has a square root, and Newton's method fails;
-    one ball, or two that are mirror images, then go on with one impact more or less from the graze
-    itself, with the speed of the slow impact as an unknown. Two balls that differ are ``lost``
-    there. If the first orbit has a shorter period that fits into `period`, so has its
-    branch, and the attribute ``message`` mentions it.
+    the branch goes on with one impact more or less from the graze itself, with the speed of the
+    slow impact as an unknown. If the first orbit has a shorter period that fits into `period`, so
+    has its branch, and the attribute ``message`` mentions it.
 
     Examples
     --------

@@ -19,6 +19,7 @@ from latolato.analysis.curve import Curve
 from latolato.analysis.flow import Floats, Flow
 from latolato.analysis.orbits import CLOSED, find_orbit
 from latolato.physics.contacts import REST
+from latolato.physics.pendulum import System
 
 _SAMPLES = 4000
 # How fast a new impact is, or how far a former one is missed, when the branch goes on with ordinary
@@ -39,7 +40,8 @@ class Line(Plane):
 class Contact(Touch):
     """A motion begun at a slow impact, or at the instant at which one is missed.
 
-    Unknowns are the drive's phase there, the parameter, and the closing speed or the distance.
+    Unknowns are the drive's phase there, the parameter, and the closing speed or the distance; of
+    two balls also the left one's angle and the mean angular velocity that an impact leaves alone.
     """
 
     def __init__(self, plane: Plane, periods: int, wall: int, *, is_hit: bool) -> None:
@@ -48,26 +50,41 @@ class Contact(Touch):
 
     def ends(self, free: Floats, flow: Flow, values: Floats) -> tuple[Floats, Floats]:
         """Return the states after and before the contact."""
-        place, sign = flow.walls[self.wall], 1.0 if self.wall == 0 else -1.0
+        system: Any = flow.system
+        wall, sign = flow.walls[self.wall], 1.0 if self.wall == 0 else -1.0
         if not self.is_hit:
-            state = np.array([place + sign * values[1], 0.0])
+            state = _apart(system, free, wall + sign * values[1], 0.0)
             return state, state
-        restitution: Any = flow.system
-        after = sign * restitution.restitution * values[1]
-        return np.array([place, after]), np.array([place, -sign * values[1]])
+        speed = sign * float(values[1])
+        after = _apart(system, free, wall, system.restitution * speed)
+        return after, _apart(system, free, wall, -speed)
 
     def tests(self, solution: Any) -> dict[str, float]:
         """Return nothing: special points are looked for along the branch."""
         return {}
 
 
-def past_graze(branch: Branch, place: Place) -> Place | None:
-    """Return a point of a branch beyond the graze at which it ended, or None.
+def _apart(system: System, free: Floats, separation: float, opening: float) -> Floats:
+    """Return the state at which balls are so far apart [rad] and separate so fast [rad/s]."""
+    if system.angles == 1:
+        return np.array([separation, opening])
+    angle, mean = free
+    share = _share(system)
+    return np.array(
+        [angle + separation, mean + (1.0 - share) * opening, angle, mean - share * opening]
+    )
 
-    Of a single angle between walls only.
-    """
+
+def _share(system: System) -> float:
+    """Return the right ball's share of the inertia of both."""
+    right, left = (ball.mass * ball.length**2 for ball in system.balls)
+    return right / (right + left)
+
+
+def past_graze(branch: Branch, place: Place) -> Place | None:
+    """Return a point of a branch beyond the graze at which it ended, or None."""
     orbit = place.orbit
-    if orbit.flow.size != 2 or not math.isfinite(orbit.flow.walls[0]) or orbit.rests:
+    if not math.isfinite(orbit.flow.walls[0]) or orbit.rests:
         return None
     near = _nearest(orbit.flow, orbit.start, orbit.duration)
     if near is None:
@@ -87,15 +104,18 @@ def _nearest(flow: Flow, start: Floats, duration: float) -> tuple[float, int, bo
     """Return when a motion nearly grazes [s], which wall, and whether it hits it."""
     times = np.linspace(0.0, duration, _SAMPLES, endpoint=False)
     run = flow.sampled(start, times)
-    angle, rate = np.asarray(run["angle"]), flow.system.natural_frequency
+    angles, rate = np.atleast_2d(run["angle"]), flow.system.natural_frequency
+    separation = angles[0] if flow.size == 2 else angles[0] - angles[1]
     passage = flow.follow(start, duration)
     hits = np.flatnonzero(passage.contact_kinds < REST)
+    speeds = passage.contact_values
+    speed = speeds[0] if flow.size == 2 else speeds[0] - speeds[1]
     found = [
-        (0.5 * (float(passage.contact_values[0, i]) / rate) ** 2, float(passage.contact_times[i]),
-         int(passage.contact_values[0, i] > 0.0), True)
+        (0.5 * (float(speed[i]) / rate) ** 2, float(passage.contact_times[i]),
+         int(speed[i] > 0.0), True)
         for i in hits
     ]  # fmt: skip
-    for wall, gap in enumerate((angle - flow.walls[0], flow.walls[1] - angle)):
+    for wall, gap in enumerate((separation - flow.walls[0], flow.walls[1] - separation)):
         least = (gap[1:-1] < gap[:-2]) & (gap[1:-1] <= gap[2:])
         for i in np.flatnonzero(least) + 1:
             # Beside an impact a sample is near the wall too.
@@ -119,12 +139,15 @@ def _beyond(
     condition = Contact(plane, branch.period, wall, is_hit=is_hit)
     drive: Any = flow.drive
     turn = math.tau * branch.period * place.shift + drive.drive_frequency * time
-    guess = condition.begin(np.zeros(2), turn, np.array([place.value, 0.0]))
+    state = flow.follow(place.orbit.start, time).end if time > 0.0 else place.orbit.start.copy()
+    if flow.size == 4:
+        state[3] += _share(flow.system) * (state[1] - state[3])
+    guess = condition.begin(state, turn, np.array([place.value, 0.0]))
     if guess is None:
         return None
     curve = Curve(condition)
     # Without speed and distance it is the graze; to the other side of it both grow.
-    fixed = np.array([0.0, 0.0, 1.0])
+    fixed = np.append(np.zeros(len(guess) - 1), 1.0)
     first = curve.at_value(guess, fixed)
     if first is None:
         return None
