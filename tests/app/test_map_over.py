@@ -13,13 +13,14 @@ import numpy as np
 import pytest
 import xarray as xr
 
+import latolato as ll
 from hanging import threshold_amplitude, tongue_edges
 from in_node import NODE
 from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
 from latolato.app import CURVES
 from latolato.app.forms import registry
-from latolato.app.map.curves import read_curves
+from latolato.app.map.curves import SHIPPED, read_curves
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, write_trials
 from latolato.figures import overlays
@@ -274,6 +275,21 @@ def test_bifurcation_curves_lie_where_python_draws_them_or_are_refused_alike():
     assert len(refused) == 7
     assert "its restitution is 0.9, that of the map 0.85" in refused[0]
     assert "its suspension is rod, that of the map string" in refused[2]
+
+
+@pytest.mark.parametrize("name", SHIPPED)
+def test_shipped_curves_lie_over_the_map_of_their_scenario(name):
+    text = (CURVES / f"{name}.csv").read_text(encoding="utf-8")
+    axes = {"drive_amplitude": [0.01, 0.02], "frequency_ratio": [2.0, 3.0]}
+    system = ll.load_scenario(name).system
+    made = ll.sweep(system, axes=axes, initial_angle=0.3, duration=0.1)
+    laws = {key: value for key, value in made.attrs.items() if isinstance(value, (str, int, float))}
+    grid = grid_of("frequency_ratio", "drive_amplitude", laws, system.has_contacts)
+    grid["about"]["laws"] = laws
+    ((*found,),) = over_in_node([{"name": "curves", "text": text, "grid": grid}])
+    for drawn, curve in zip(found, read_curves(text), strict=True):
+        x, y = overlays.places_of(made, ("frequency_ratio", "drive_amplitude"), curve)
+        np.testing.assert_array_equal([drawn["xs"], drawn["ys"]], [x, y])
 
 
 # Two balls, of which each has a start, and special points on the way.

@@ -184,7 +184,9 @@ def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> 
     # The phase of the drive turns motions, and bifurcations with them.
     laws = [(system_of(curve), "system"), (drive_of(curve), "drive")]
     usual = {p.name: p.default for law, owner in laws for p in law_parameters(law, owner)}
-    usual |= {"system": None, "drive": None, "contact": "none"}
+    usual |= {"system": None, "drive": None}
+    if laws[0][0].has_contacts:
+        usual["contact"] = "none"
     kinds = ("system", "drive")
     names = [*kinds, *sorted(usual.keys() - varied - {*kinds, "drive_phase"})]
     scalars = {str(name): c.item() for name, c in grid.coords.items() if not c.ndim}

@@ -147,7 +147,9 @@ function placing({ parameters, labels }, grid) {
 function checkSame({ systems, drives, options, axes }, { labels, parameters }, { about: { laws }, xAxis, yAxis }) {
   const varied = [xAxis.name, yAxis.name, ...parameters];
   const skipped = new Set([...varied, ...varied.map((name) => axes[name]?.sets), TURNS]);
-  const own = ["contact", ...systems[labels.system]?.options ?? [], ...drives[labels.drive]?.options ?? []];
+  const { options: inSystem = [], contacts = false } = systems[labels.system] ?? {};
+  // Without anything to hit, the law of contact says nothing.
+  const own = [...contacts ? ["contact"] : [], ...inSystem, ...drives[labels.drive]?.options ?? []];
   for (const name of ["system", "drive", ...own.sort()]) {
     if (skipped.has(name)) continue;
     const usual = name === "contact" ? "none" : options[name]?.default;
