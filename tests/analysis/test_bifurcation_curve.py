@@ -131,6 +131,47 @@ def test_swings_begin_at_a_fold_that_merges_with_the_tongue():
     assert min(abs(tip["frequency_ratio"] - edge) for edge in edges) < 1e-6
 
 
+def test_a_tongue_is_steep_on_the_left_and_soft_on_the_right_and_changes_where_swings_fold():
+    tongue, fold = hanging_tongue(), swinging_fold()
+    (flip,) = np.flatnonzero(tongue.special_kind.values == "generalised_flip")
+    tip = int(np.argmin(fold.largest_angle.values))
+    for name in ("drive_amplitude", "frequency_ratio"):
+        # The fold meets the tongue along a tangent: the place is known to the root of an error.
+        there = float(tongue[f"special_{name}"][flip])
+        assert there == pytest.approx(float(fold[name][tip]), abs=3e-6)
+    left = tongue.frequency_ratio.values < float(tongue.special_frequency_ratio[flip])
+    np.testing.assert_array_equal(tongue.is_supercritical.values, ~left)
+    # Runs just inside the tongue: the swing begins small at the soft edge, and jumps at the other.
+    edges = tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
+    for inside, expected in ((edges[0] + 1e-3, False), (edges[1] - 1e-3, True)):
+        drive = shake(inside, 0.05)
+        times = np.linspace(1990.0, 2000.0, 1001) * math.tau / drive.drive_frequency
+        late = ll.simulate(PENDULUM, drive, times=times, initial_angle=1e-3).angle.values
+        assert (np.abs(late).max() < 0.3) == expected
+
+
+def test_the_doubled_bounce_is_stable_where_its_curve_is_supercritical():
+    box = {"low": (0.02, 4.0), "high": (0.04, 6.0), "points": 24}
+    curve = bifurcation_curve(
+        TOY, shake(4.73, 0.03, TOY), kind="period_doubling", initial_angle=0.0849,
+        initial_angular_velocity=0.658, **box,
+    )  # fmt: skip
+    assert set(curve.is_supercritical.values) == {1}
+    i = int(np.argmin(np.abs(curve.drive_amplitude.values - 0.03)))
+    # Just inside, a run ends in a motion of two periods, near the one that doubled.
+    for share in (1.001, 0.999):
+        drive = shake(share * float(curve.frequency_ratio[i]), float(curve.drive_amplitude[i]), TOY)
+        times = np.arange(1997, 2001) * math.tau / drive.drive_frequency
+        late = ll.simulate(
+            TOY, drive, times=times, initial_angle=float(curve.initial_angle[i]),
+            initial_angular_velocity=1.001 * float(curve.initial_angular_velocity[i]),
+        ).angular_velocity.values  # fmt: skip
+        if abs(late[1] - late[0]) > 1e-4:
+            break
+    assert late[2:] == pytest.approx(late[:2], abs=1e-5)
+    assert 1e-4 < abs(late[1] - late[0]) < 0.2
+
+
 def test_swings_exist_on_one_side_of_their_fold_only():
     fold = swinging_fold()
     large = np.flatnonzero(fold.largest_angle.values > 0.3)  # smaller ones are nearly at the tongue
