@@ -1,13 +1,16 @@
 """Curves of bifurcations in two parameters: closed forms, both sides, and ends that are said."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import latolato as ll
 from hanging import tongue_edges
-from latolato.analysis.bifurcation_curve import bifurcation_curve
+from latolato.analysis.bifurcation_curve import _both_ways, bifurcation_curve
+from latolato.analysis.conditions import Condition, Plane, Solution
+from latolato.analysis.curve import Curve
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 
@@ -453,6 +456,46 @@ def test_a_fold_asked_for_where_a_symmetry_breaks_is_singular():
     )
     assert broken.status.item() == "complete"
     assert np.abs(broken.multipliers.values + 1.0).min(axis=1).max() < 1e-9
+
+
+class Circle(Condition):
+    """Both parameters lie on a circle, whatever the motion."""
+
+    def __init__(self):
+        self.plane = Plane(None, ("drive_amplitude", "frequency_ratio"), -np.ones(2), np.ones(2))
+        self.measure = np.ones(1)
+
+    def at(self, unknowns):
+        state, values = unknowns[:1], unknowns[1:] * self.plane.width
+        residual = np.append(state, values @ values - 0.25)
+        passage = SimpleNamespace(slack_time=math.inf, impacts=0)
+        return Solution(residual, None, state, 0.0, passage, np.eye(1), values)
+
+    def tests(self, solution):
+        return {"resonance_1_1": float(solution.values[0])}
+
+    def others(self, solution):
+        return np.zeros(0, dtype=complex)
+
+    def duration(self, flow):
+        return 1.0
+
+    def size_of(self, solution):
+        return self.measure
+
+
+@pytest.mark.parametrize("most, is_closed", [(200, True), (40, False)])
+def test_a_curve_that_closes_is_followed_once_round(most, is_closed):
+    curve = Curve(Circle())
+    first = curve.begin(np.array([0.0, 0.25, 0.01]))
+    points, specials, ends = _both_ways(curve, first, most, None)
+    values = np.array([each.solution.values for each in points])
+    np.testing.assert_allclose(np.linalg.norm(values, axis=1), 0.5, atol=1e-9)
+    turned = np.ptp(np.unwrap(np.arctan2(values[:, 1], values[:, 0])))
+    assert ends == (["closed"] * 2 if is_closed else ["points"] * 2)
+    assert (0.95 * math.tau < turned < 1.05 * math.tau) == is_closed
+    # Both parameters turn back at no point, and one vanishes at two.
+    assert [each.kind for each in specials] == ["resonance_1_1"] * (2 if is_closed else 0)
 
 
 def test_a_curve_can_be_stopped_and_keeps_what_it_has():
