@@ -1,13 +1,16 @@
 """Curves of bifurcations in two parameters: closed forms, both sides, and ends that are said."""
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 import latolato as ll
 from hanging import tongue_edges
-from latolato.analysis.bifurcation_curve import bifurcation_curve
+from latolato.analysis.bifurcation_curve import _both_ways, bifurcation_curve
+from latolato.analysis.conditions import Condition, Plane, Solution
+from latolato.analysis.curve import Curve
 from latolato.analysis.starts import hanging_angles
 from latolato.core.errors import InputError
 
@@ -129,6 +132,47 @@ def test_swings_begin_at_a_fold_that_merges_with_the_tongue():
     assert tip["largest_angle"] < 1e-3
     edges = tongue_edges(drive_amplitude=tip["drive_amplitude"], length=1.0, mass=0.8, damping=0.05)
     assert min(abs(tip["frequency_ratio"] - edge) for edge in edges) < 1e-6
+
+
+def test_a_tongue_is_steep_on_the_left_and_soft_on_the_right_and_changes_where_swings_fold():
+    tongue, fold = hanging_tongue(), swinging_fold()
+    (flip,) = np.flatnonzero(tongue.special_kind.values == "generalised_flip")
+    tip = int(np.argmin(fold.largest_angle.values))
+    for name in ("drive_amplitude", "frequency_ratio"):
+        # The fold meets the tongue along a tangent: the place is known to the root of an error.
+        there = float(tongue[f"special_{name}"][flip])
+        assert there == pytest.approx(float(fold[name][tip]), abs=3e-6)
+    left = tongue.frequency_ratio.values < float(tongue.special_frequency_ratio[flip])
+    np.testing.assert_array_equal(tongue.is_supercritical.values, ~left)
+    # Runs just inside the tongue: the swing begins small at the soft edge, and jumps at the other.
+    edges = tongue_edges(drive_amplitude=0.05, length=1.0, mass=0.8, damping=0.05)
+    for inside, expected in ((edges[0] + 1e-3, False), (edges[1] - 1e-3, True)):
+        drive = shake(inside, 0.05)
+        times = np.linspace(1990.0, 2000.0, 1001) * math.tau / drive.drive_frequency
+        late = ll.simulate(PENDULUM, drive, times=times, initial_angle=1e-3).angle.values
+        assert (np.abs(late).max() < 0.3) == expected
+
+
+def test_the_doubled_bounce_is_stable_where_its_curve_is_supercritical():
+    box = {"low": (0.02, 4.0), "high": (0.04, 6.0), "points": 24}
+    curve = bifurcation_curve(
+        TOY, shake(4.73, 0.03, TOY), kind="period_doubling", initial_angle=0.0849,
+        initial_angular_velocity=0.658, **box,
+    )  # fmt: skip
+    assert set(curve.is_supercritical.values) == {1}
+    i = int(np.argmin(np.abs(curve.drive_amplitude.values - 0.03)))
+    # Just inside, a run ends in a motion of two periods, near the one that doubled.
+    for share in (1.001, 0.999):
+        drive = shake(share * float(curve.frequency_ratio[i]), float(curve.drive_amplitude[i]), TOY)
+        times = np.arange(1997, 2001) * math.tau / drive.drive_frequency
+        late = ll.simulate(
+            TOY, drive, times=times, initial_angle=float(curve.initial_angle[i]),
+            initial_angular_velocity=1.001 * float(curve.initial_angular_velocity[i]),
+        ).angular_velocity.values  # fmt: skip
+        if abs(late[1] - late[0]) > 1e-4:
+            break
+    assert late[2:] == pytest.approx(late[:2], abs=1e-5)
+    assert 1e-4 < abs(late[1] - late[0]) < 0.2
 
 
 def test_swings_exist_on_one_side_of_their_fold_only():
@@ -414,6 +458,46 @@ def test_a_fold_asked_for_where_a_symmetry_breaks_is_singular():
     )
     assert broken.status.item() == "complete"
     assert np.abs(broken.multipliers.values + 1.0).min(axis=1).max() < 1e-9
+
+
+class Circle(Condition):
+    """Both parameters lie on a circle, whatever the motion."""
+
+    def __init__(self):
+        self.plane = Plane(None, ("drive_amplitude", "frequency_ratio"), -np.ones(2), np.ones(2))
+        self.measure = np.ones(1)
+
+    def at(self, unknowns):
+        state, values = unknowns[:1], unknowns[1:] * self.plane.width
+        residual = np.append(state, values @ values - 0.25)
+        passage = SimpleNamespace(slack_time=math.inf, impacts=0)
+        return Solution(residual, None, state, 0.0, passage, np.eye(1), values)
+
+    def tests(self, solution):
+        return {"resonance_1_1": float(solution.values[0])}
+
+    def others(self, solution):
+        return np.zeros(0, dtype=complex)
+
+    def duration(self, flow):
+        return 1.0
+
+    def size_of(self, solution):
+        return self.measure
+
+
+@pytest.mark.parametrize("most, is_closed", [(200, True), (40, False)])
+def test_a_curve_that_closes_is_followed_once_round(most, is_closed):
+    curve = Curve(Circle())
+    first = curve.begin(np.array([0.0, 0.25, 0.01]))
+    points, specials, ends = _both_ways(curve, first, most, None)
+    values = np.array([each.solution.values for each in points])
+    np.testing.assert_allclose(np.linalg.norm(values, axis=1), 0.5, atol=1e-9)
+    turned = np.ptp(np.unwrap(np.arctan2(values[:, 1], values[:, 0])))
+    assert ends == (["closed"] * 2 if is_closed else ["points"] * 2)
+    assert (0.95 * math.tau < turned < 1.05 * math.tau) == is_closed
+    # Both parameters turn back at no point, and one vanishes at two.
+    assert [each.kind for each in specials] == ["resonance_1_1"] * (2 if is_closed else 0)
 
 
 def test_a_curve_can_be_stopped_and_keeps_what_it_has():

@@ -52,6 +52,7 @@ Kind = Literal["fold", "period_doubling", "symmetry_breaking", "grazing", "lift_
 KINDS: tuple[Kind, ...] = get_args(Kind)
 QUANTITIES = {
     "is_edge": Quantity("1", "", "whether stable motions end there"),
+    "is_supercritical": Quantity("1", "", "whether the new motions begin stable"),
     "word": Quantity("1", "", "contact word"),
     "special_kind": Quantity("1", "", "what happens to the curve"),
     "end_reason": Quantity("1", "", "why the curve ends"),
@@ -126,12 +127,17 @@ def bifurcation_curve(
         ``initial_angular_velocity`` of the motion at time zero, ``largest_angle``,
         ``multipliers`` of the map that closes it, ``impacts``, ``word`` (as of `ContactWord`; that
         of a graze is without the touch itself), and ``is_edge``: whether all multipliers but the
-        critical one are inside the unit circle, so that a stable motion ends there.
-        Over ``special`` the points of codimension two, again with
-        both parameters: ``special_kind`` is ``cusp``, ``resonance_1_1``, ``resonance_1_2``,
-        ``fold_flip`` (a fold meets a period doubling), ``meets_fold`` and ``meets_flip`` (the
-        touching motion has a multiplier of one or minus one) or ``degenerate`` (a touch that does
-        not bend away). Over ``end`` the ``end_reason`` of both ends: ``end of range``, ``closed``,
+        critical one are inside the unit circle, so that a stable motion ends there. Period
+        doublings and broken symmetries also have ``is_supercritical``: 1 where the new motions
+        begin small and stable as the old one loses its stability (a soft edge), 0 where they are
+        unstable and meet the old one (a steep edge: runs jump away), -1 where impacts beside the
+        motion, or a second critical multiplier, hide it.
+        Over ``special`` the points of codimension two, again with both parameters:
+        ``special_kind`` is ``cusp``, ``resonance_1_1``, ``resonance_1_2``, ``fold_flip`` (a fold
+        meets a period doubling), ``generalised_flip`` and ``degenerate_pitchfork`` (where
+        ``is_supercritical`` changes), ``meets_fold`` and ``meets_flip`` (the touching motion has a
+        multiplier of one or minus one) or ``degenerate`` (a touch that does not bend away).
+        Over ``end`` the ``end_reason`` of both ends: ``end of range``, ``closed``,
         ``merges`` (the motions become the more symmetric one from which they split), ``grazing``,
         ``touches_twice``, ``slackens``, ``points`` (more would follow), ``interrupted`` or ``lost``
         (no smaller step helps). ``status``: ``complete``, ``closed``, ``interrupted``,
@@ -390,6 +396,12 @@ def _variables(
     multipliers = np.array([multipliers_of(each.matrix) for each in solutions], dtype=complex)
     is_edge = [np.all(np.abs(condition.others(each)) < _NEUTRAL) for each in solutions]
 
+    is_supercritical = {}
+    if isinstance(condition, Multiplier) and condition.critical < 0.0:
+        cubics = np.array([point.tests[condition.degenerate] for point in curve_points])
+        signs = np.where(np.isnan(cubics), -1, cubics > 0.0).astype(np.int8)
+        is_supercritical = {"is_supercritical": ("point", signs)}
+
     def ball(values: Floats) -> Floats:
         return values if two else values[:, 0]
 
@@ -405,6 +417,7 @@ def _variables(
         "impacts": ("point", np.array([s.passage.impacts for s in solutions], dtype=int)),
         "word": ("point", np.array([_word(s, condition) for s in solutions], dtype="U64")),
         "is_edge": ("point", np.array(is_edge, dtype=np.int8)),
+        **is_supercritical,
         **{
             f"special_{name}": ("special", along(i, special_solutions))
             for i, name in enumerate(plane.names)

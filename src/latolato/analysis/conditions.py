@@ -39,6 +39,11 @@ _LOSSLESS = 1e-6
 _NODES, _SPAN = 9, 0.02
 # Units of a state, in sizes of the motion; a motion without impacts may vanish, its units do not.
 _SIZES, _SMALLEST = 6.0, 0.1
+# The second derivative of a map's matrix is a difference over so much, in units of the state.
+_BESIDE = 3e-3
+# Left and right eigenvectors of length one, this near to a right angle, belong to a multiplier that
+# is there twice.
+_DEFECTIVE = 1e-4
 # In samples of a motion something is negative if it is below this, in natural units.
 _NEGATIVE, _SAMPLES = 1e-7, 400
 
@@ -293,8 +298,43 @@ class Multiplier(Condition):
             others = np.delete(others, np.argmin(np.abs(others - self.critical)))
         equal = float(np.real(np.prod(self.critical - others)))
         opposite = float(np.real(np.prod(self.critical + others)))
-        resonance = "resonance_1_1" if self.critical > 0.0 else "resonance_1_2"
-        return {resonance: equal, "fold_flip": opposite}
+        if self.critical > 0.0:
+            return {"resonance_1_1": equal, "fold_flip": opposite}
+        cubic = self.cubic(solution)
+        return {"resonance_1_2": equal, "fold_flip": opposite, self.degenerate: cubic}
+
+    @property
+    def degenerate(self) -> str:
+        """The kind of the points at which the cubic coefficient vanishes."""
+        is_doubling = np.array_equal(self.mirror, np.eye(len(self.mirror)))
+        return "generalised_flip" if is_doubling else "degenerate_pitchfork"
+
+    def cubic(self, solution: Solution) -> float:
+        """Return the cubic coefficient of the map at a multiplier of minus one.
+
+        On its centre manifold the map is ``-x + c x^3``. Positive: stable motions of less symmetry
+        or twice the period begin where the motion loses its stability; negative: unstable ones end
+        there. NaN where impacts come or go beside the motion, and where two multipliers are minus
+        one, as without damping; Kuznetsov (2004), section 5.4.
+        """
+        unit, middle = np.eye(len(self.measure)), solution.matrix
+        values, vectors = np.linalg.eig(middle)
+        right = np.real(vectors[:, np.argmin(np.abs(values + 1.0))])
+        values, vectors = np.linalg.eig(middle.T)
+        left = np.real(vectors[:, np.argmin(np.abs(values + 1.0))])
+        if abs(left @ right) < _DEFECTIVE:
+            return math.nan
+        sides = []
+        for width in (_BESIDE, -_BESIDE):
+            start = solution.start + width * right * self.measure
+            passage = solution.flow.follow(start, self.duration(solution.flow))
+            if not np.array_equal(passage.contact_kinds, solution.passage.contact_kinds):
+                return math.nan
+            sides.append((self.mirror @ passage.matrix) * self.measure / self.measure[:, None])
+        slope = (sides[0] - sides[1]) / (2.0 * _BESIDE)
+        bend = (sides[0] - 2.0 * middle + sides[1]) / _BESIDE**2
+        second = np.linalg.lstsq(unit - middle, slope @ right, rcond=None)[0]
+        return float(left @ (bend @ right + 3.0 * slope @ second) / (6.0 * (left @ right)))
 
 
 class Touch(Condition):

@@ -44,6 +44,8 @@ MARKS = {
     "resonance_1_1": "s",
     "resonance_1_2": "D",
     "fold_flip": "p",
+    "generalised_flip": "h",
+    "degenerate_pitchfork": "d",
     "meets_fold": "o",
     "meets_flip": "^",
     "degenerate": "X",
