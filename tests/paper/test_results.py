@@ -137,6 +137,7 @@ def test_fig09_begins_wide_on_the_left_and_from_nothing_on_the_right():
     assert found["apart"] < 0.05
     assert found["straight"] < 1.0
     assert found["ends"] < 1e-4
+    assert found["steep"] == found["soft"] == 100.0
     data = quick_data("curves_fig09")
     left, right = data.edge_ratio.values
     # The edges are those of the linear equation, by the discriminant of Hill's equation.

@@ -182,10 +182,11 @@ def _check_same(grid: xr.Dataset, sides: tuple[str, str], curve: xr.Dataset) -> 
     varied = {*sides, *map(str, curve.attrs["parameters"])}
     varied |= {DERIVED.get(name, name) for name in varied}
     # The phase of the drive turns motions, and bifurcations with them.
-    laws = [(system_of(curve), "system"), (drive_of(curve), "drive")]
+    system = system_of(curve)
+    laws = [(system, "system"), (drive_of(curve), "drive")]
     usual = {p.name: p.default for law, owner in laws for p in law_parameters(law, owner)}
     usual |= {"system": None, "drive": None}
-    if laws[0][0].has_contacts:
+    if system.has_contacts:
         usual["contact"] = "none"
     kinds = ("system", "drive")
     names = [*kinds, *sorted(usual.keys() - varied - {*kinds, "drive_phase"})]

@@ -42,7 +42,9 @@ CHECK = (
     "the swing within {miss:.3f} of their folds, none of them below. Just inside the right edge "
     "the square of the swing's angle is proportional to the distance, to {straight:.1f} %. The "
     "branches end where the edges of (a), which know only the hanging pendulum, say they must, to "
-    "{ends:.0e} natural frequencies."
+    "{ends:.0e} natural frequencies; and the sign of the cubic term in the map over a shake, which "
+    "says whether a doubled motion begins stable, is that of a steep edge at {steep:.0f} % of the "
+    "points on the left and that of a soft one at {soft:.0f} % on the right."
 )
 POINTS, QUICK_POINTS = (111, 161), (28, 41)  # of the map, along amplitude and frequency
 DOWN, QUICK_DOWN = 265, 67  # frequencies of the motions that are followed
@@ -71,6 +73,7 @@ _ABOUT = {
     "set_fold": _RATIO,
     "edge_amplitude": _AMPLITUDE,
     "edge_ratio": _RATIO,
+    "edge_is_soft": _PLAIN | {"long_name": "whether the new swing begins stable"},
 }
 
 
@@ -124,6 +127,7 @@ def data(quick: bool = False) -> xr.Dataset:
         "set_fold": ("set", np.array([_fold_of(branch) for branch in branches])),
         "edge_amplitude": (("edge", "edge_point"), padded(edges, "drive_amplitude", farthest)),
         "edge_ratio": (("edge", "edge_point"), padded(edges, "frequency_ratio", farthest)),
+        "edge_is_soft": (("edge", "edge_point"), padded(edges, "is_supercritical", farthest)),
     }
     return xr.Dataset(
         {name: (dims, values, _ABOUT[name]) for name, (dims, values) in variables.items()},
@@ -193,6 +197,7 @@ def numbers(dataset: xr.Dataset) -> Numbers:
     ratios = dataset.followed_ratio.values
     folds = dataset.set_fold.values
     lost = np.array([ratios[row > fig09.GROWN].min() for row in dataset.followed.values])
+    known_points = np.isfinite(dataset.edge_ratio).sum("edge_point")
     gaps, ends, straight, jumps = [], [], [], []
     for i, amplitude in enumerate(AMPLITUDES):
         ratio, angle = dataset.branch_ratio.values[i], dataset.branch_angle.values[i]
@@ -224,6 +229,8 @@ def numbers(dataset: xr.Dataset) -> Numbers:
         "apart": math.degrees(max(gaps)),
         "straight": 100.0 * max(straight),
         "ends": max(ends),
+        "steep": 100.0 * float((dataset.edge_is_soft[0] == 0.0).sum() / known_points[0]),
+        "soft": 100.0 * float((dataset.edge_is_soft[1] == 1.0).sum() / known_points[1]),
     }
 
 
