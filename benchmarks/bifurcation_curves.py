@@ -1,9 +1,9 @@
 """Curves of bifurcations: what 200 points cost for motions of one, five and ten impacts.
 
-Work: the folds of the toy's motions with n impacts a shake (l = 245 mm, m = 106 g, r = 20 mm,
-e = 0.85, C = 0.005 kg m/s, first found at 30 mm), and the graze at which the next impact appears,
-through amplitude and frequency, 200 points at most; at most 10 s are asked for.
-Beside the time stands its ratio to that of 200 plain motions over one drive period, made by the
+Work: the folds and period doublings of the toy's motions with n impacts a shake (l = 245 mm,
+m = 106 g, r = 20 mm, e = 0.85, C = 0.005 kg m/s, first found at 30 mm), and the graze at which the
+next impact appears, through amplitude and frequency; at most 10 s are asked for 200 points.
+Beside the time stands its ratio to that of as many plain motions over one drive period, made by the
 same engine with the same tolerance. One thread, CPU time, compilation excluded. Prints a table and
 writes ``bifurcation_curves.json`` beside itself.
 
