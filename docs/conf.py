@@ -88,9 +88,10 @@ autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # units and shapes stand in the docstrings
 numpydoc_show_class_members = False
 # All of numpydoc's rules but these: related names and further explanation stand on the pages,
-# examples are asked for above, attributes of a dataclass are its parameters, types stand in
-# signatures, and "Return ... [unit]" in the first line says what a short function returns.
-numpydoc_validation_checks = {"all", "SA01", "EX01", "ES01", "PR01", "PR04", "RT01"}
+# examples are asked for above, attributes of a dataclass are its parameters, an analysis describes
+# its own parameters before those that all share, types stand in signatures, and "Return ... [unit]"
+# in the first line says what a short function returns.
+numpydoc_validation_checks = {"all", "SA01", "EX01", "ES01", "PR01", "PR03", "PR04", "RT01"}
 
 copybutton_prompt_text = r">>> |\.\.\. |\$ "
 copybutton_prompt_is_regexp = True

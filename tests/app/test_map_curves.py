@@ -7,11 +7,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+<<<<<<< HEAD
 from latolato.analysis import floquet
+=======
+import latolato as ll
+>>>>>>> mapcurves
 from latolato.app import CURVES
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
-from latolato.app.map import curves, files
+from latolato.app.map import curves, files, stored
+from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from latolato.figures.analyses.stored_system import drive_of, system_of
 
@@ -254,3 +259,18 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
     page.reload()
     page.wait_for_selector("[data-done]", timeout=PATIENCE)
     wait_for_curves(page, 0)
+
+
+def test_a_stored_map_tells_the_laws_that_curves_must_share(tmp_path):
+    axes = {"drive_amplitude": [0.02, 0.03], "frequency_ratio": [2.0, 3.0]}
+    grid = ll.load_scenario("fig11").sweep(duration=1.0, transient=0.0, axes=axes)
+    about, _ = unpack(stored.block_of(ll.save(grid, tmp_path / "map.nc"), {}))
+    fold, _ = curves.read_curves(SHIPPED)
+    assert {"system", "drive", "contact", "restitution", "drive_phase"} <= about["laws"].keys()
+    assert about["laws"] == {name: fold.attrs[name] for name in about["laws"]}
+
+
+def test_a_site_keeps_shipped_curves_for_reading_without_a_network(tmp_path):
+    write_site(tmp_path / "site")
+    assert (tmp_path / "site/curves/fig11.csv").read_text(encoding="utf-8") == SHIPPED
+    assert '"curves/fig11.csv"' in (tmp_path / "site/files.js").read_text(encoding="utf-8")

@@ -60,7 +60,7 @@ def first_push(
     system, drive
         The laws; frequency and phase of the drive are replaced, its amplitude stays.
     frequency_ratio : sequence of float
-        w/w0 [1], positive.
+        Driving over natural frequency, w/w0 [1], positive.
     drive_phase : sequence of float
         Drive phases at the push [rad]; at 0 a harmonic pivot is at its top.
     push : {"initial_angular_velocity", "initial_offset"}

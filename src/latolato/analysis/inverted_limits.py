@@ -39,7 +39,7 @@ def inverted_limits(
     drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     frequency_ratio : float
-        w/w0 [1], at least 0.01.
+        Driving over natural frequency, w/w0 [1], at least 0.01.
     largest_amplitude_ratio : float
         The search ends at this A0/l [1], positive, and at 0.95 of a crank's connecting rod.
 

@@ -54,7 +54,7 @@ def response_period_map(
     drive_amplitude : sequence of float
         A0 [m], at least 0.
     frequency_ratio : sequence of float
-        w/w0 [1], positive.
+        Driving over natural frequency, w/w0 [1], positive.
     initial_angle, initial_angular_velocity, initial_offset, tolerance, rest_speed
         As in `response_period`, the same for all cells.
     transient_periods : float

@@ -51,7 +51,7 @@ def self_start(
     system : LatoLato or BallPair
         At rest in bottom contact; a `BallPair` where the two balls balance.
     frequency_ratio : float
-        w/w0 [1], at least 0.01; of the right ball for a `BallPair`.
+        Driving over natural frequency, w/w0 [1], at least 0.01; of the right ball for a `BallPair`.
     drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     check : bool

@@ -35,7 +35,7 @@ def threshold_amplitude(
     drive : PeriodicDrive, optional
         Supplies the waveform; by default a cosine. Its amplitude and frequency are not used.
     frequency_ratio : float
-        w/w0 [1], at least 0.01.
+        Driving over natural frequency, w/w0 [1], at least 0.01.
     order : int, optional
         Only this tongue; by default whichever is met first.
     largest_amplitude_ratio : float

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import threading
 from collections.abc import Iterator
 from dataclasses import asdict
@@ -99,7 +100,8 @@ def _registry() -> dict[str, Any]:
 
 
 def _in_words(name: str) -> dict[str, str]:
-    return {"label": name.replace("_", " ").capitalize()}
+    words = re.sub(r"(\d)_(\d)", r"\1:\2", name).replace("_", " ")
+    return {"label": words.capitalize()}
 
 
 def _languages() -> dict[str, Any]:
