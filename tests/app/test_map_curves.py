@@ -7,11 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-<<<<<<< HEAD
-from latolato.analysis import floquet
-=======
 import latolato as ll
->>>>>>> mapcurves
+from latolato.analysis import floquet
 from latolato.app import CURVES
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry

@@ -38,3 +38,14 @@ def test_what_archives_and_catalogues_read_agrees():
     assert catalogue["keywords"] == archive["keywords"] == PROJECT["keywords"]
     (author,), (creator,), (owner,) = catalogue["author"], archive["creators"], PROJECT["authors"]
     assert author["name"] == creator["name"] == owner["name"]
+
+
+def test_the_recipe_for_conda_needs_what_the_package_and_its_application_need():
+    recipe, extras = text("conda.recipe/recipe.yaml"), PROJECT["optional-dependencies"]
+    assert f'version: "{VERSION}"' in recipe
+    needed = {*PROJECT["dependencies"], *extras["app"], *extras["tables"]} - {"latolato[tables]"}
+    needed = {need.replace("matplotlib>", "matplotlib-base>") for need in needed}
+    listed = recipe.split("  run:\n")[1].split("\ntests:")[0]
+    packages = re.findall(r"- (\S+) (>=\S+)", listed)
+    assert {name + version for name, version in packages if name != "python"} == needed
+    assert f'python_min: "{PROJECT["requires-python"].removeprefix(">=")}"' in recipe
