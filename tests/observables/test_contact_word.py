@@ -128,7 +128,9 @@ def test_contacts_that_have_ended_are_not_a_word():
     for until in (59.0, 45.0):
         assert word("BT", until=until) == "no word"
         assert word("BR", until=until, held=True) == "no word"
-    assert word("BT", until=40.0) == "no contact"
+    # Watched are the last 48 of 60 periods: what ended in them may come again.
+    assert word("BT", until=40.0) == "no word"
+    assert word("BT", until=11.0) == "no contact"
     assert word("BR", until=40.0, held=True) == "R"
 
 
@@ -148,6 +150,9 @@ def test_short_runs_are_watched_from_their_start():
             duration=periods, held=False,
         )  # fmt: skip
 
+    # One impact in the first of three periods.
+    once = word_of_run([0.5], [BOTTOM], [-1.0], drive_period=1.0, duration=3.0, held=False)
+    assert contact_words(once) == "no word"
     assert math.isnan(short(2.9))
     assert contact_words(short(3.0)) == contact_words(short(47.0)) == "B"
 

@@ -191,7 +191,10 @@ def _code(acc: Any, i: int, n: int, period: float) -> float:
     elif stored > 0:
         last = acc[i + _place(1, stored - 1) * n]
     if end - last > acc[i + _LONGEST * n] * period:
-        return _REST_WORD if acc[i + _HELD * n] > 0.0 else EMPTY_WORD
+        if acc[i + _HELD * n] > 0.0:
+            return _REST_WORD
+        # A contact that was watched and did not come again is no word either.
+        return EMPTY_WORD if last < begin else NO_WORD
     # Impacts on one side may be all that there is. Else they may end at rest, not seen yet.
     if stored > 0 and acc[i + _place(1, stored - 1) * n] >= begin:
         _store_first(acc, i, n)
@@ -240,10 +243,10 @@ class ContactWord(Watched):
     the word ``R``.
 
     The variable is a number: in base 4 the digits of the letters, B 0, T 1, R 2, S 3, behind a
-    leading 1 (``BT`` is 17); `contact_words` reads it. 1 is the empty word: no contact in the last
-    `longest` drive periods. 0 is no word: contacts go on and do not repeat, because the motion is
-    chaotic, quasiperiodic or not settled yet, or its word is longer than 26 letters or its period
-    than `longest`. NaN where the run is too short to watch.
+    leading 1 (``BT`` is 17); `contact_words` reads it. 1 is the empty word: no contact in the drive
+    periods watched. 0 is no word: contacts do not repeat, because the motion is chaotic,
+    quasiperiodic or not settled yet, or its word is longer than 26 letters or its period than
+    `longest`. NaN where the run is too short to watch.
 
     The word does not tell how many drive periods it takes: `ResponsePeriod` does.
     """

@@ -71,7 +71,11 @@ function wordOfRun({ times, kinds, velocities }, { period, duration, held }) {
   });
   let repeats = side.length;
   const latest = (side.at(-1) ?? letters.at(-1))?.time ?? -Infinity;
-  if (end - latest > longest * period) return held ? LETTERS[R] : "no contact";
+  if (end - latest > longest * period) {
+    if (held) return LETTERS[R];
+    // A contact that was watched and did not come again is no word either.
+    return latest < begin ? "no contact" : "no word";
+  }
   // Impacts on one side may be all that there is. Else they may end at rest, not seen yet.
   if (letters.length && letters[letters.length - 1].time >= begin) store(side.slice(0, 1));
   else {
