@@ -1,6 +1,7 @@
 """Installs the wheel in an environment of its own, away from the sources, and uses it.
 
-``elsewhere.py`` takes the newest packages and tries the application, file by file;
+``elsewhere.py [PYTHON]`` takes the newest packages and tries the application, file by file, with
+the newest Python that is here and that pyproject.toml names, or with the given one.
 ``elsewhere.py --lowest`` takes the lowest versions that pyproject.toml declares and tries each
 part once. Only the minima of users' extras are meant there; packages that ours need are as new as
 they may be. `latolato[cuda]` is resolved but not installed: its libraries take gigabytes.
@@ -9,6 +10,8 @@ they may be. `latolato[cuda]` is resolved but not installed: its libraries take 
 from __future__ import annotations
 
 import os
+import re
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -93,13 +96,26 @@ def pinned(need: Requirement) -> str:
     return f"{need.name}=={version}" + (f"; {need.marker}" if need.marker else "")
 
 
-def install(folder: Path, *, lowest: bool) -> dict[str, str]:
+def newest_python() -> str:
+    """Return the newest Python here that pyproject.toml names."""
+    named = re.findall(r"Python :: (3\.\d+)", " ".join(project()["classifiers"]))
+    for version in reversed(named):
+        places = [*Path.home().glob(f".pyenv/versions/{version}.*/bin/python{version}")]
+        for place in (*map(str, places), shutil.which(f"python{version}")):
+            # What pyenv puts on the path may only say that this version is not chosen.
+            if place and subprocess.run([place, "-c", "import venv"], check=False).returncode == 0:
+                return place
+    return sys.executable
+
+
+def install(folder: Path, python: str, *, lowest: bool) -> dict[str, str]:
     """Install the wheel below a folder and return the environment in which its commands run."""
     (wheel,) = (ROOT / "dist").glob("*.whl")
-    subprocess.run([sys.executable, "-m", "venv", "--without-pip", folder / "venv"], check=True)
-    binaries = folder / "venv/bin"
+    print(f"{wheel.name} with {python}", flush=True)
+    subprocess.run([python, "-m", "venv", "--without-pip", folder / "venv"], check=True)
+    binaries = folder / "venv" / ("Scripts" if os.name == "nt" else "bin")
     pip = [
-        *(sys.executable, "-m", "pip", "--python", str(binaries / "python"), "install", "-q"),
+        *(sys.executable, "-m", "pip", "--python", str(folder / "venv"), "install", "-q"),
         *("--disable-pip-version-check", "--no-compile"),
     ]
     if lowest:
@@ -121,22 +137,29 @@ def install(folder: Path, *, lowest: bool) -> dict[str, str]:
     return environment
 
 
+def found(command: str, environment: dict[str, str]) -> list[str]:
+    """Return the words of a command; on Windows the path of an environment finds no programs."""
+    name, *words = command.split()
+    return [shutil.which(name, path=environment["PATH"]), *words]
+
+
 def use(commands: str, codes: tuple[str, ...], files: Path, environment: dict[str, str]) -> None:
     """Run commands, then pieces of Python, in a folder."""
     for command in commands.strip().splitlines():
         print("$", command, flush=True)
-        subprocess.run(command.split(), cwd=files, env=environment, check=True)
+        subprocess.run(found(command, environment), cwd=files, env=environment, check=True)
     for code in codes:
         print("$ python -c", code, flush=True)
-        subprocess.run(["python", "-c", code], cwd=files, env=environment, check=True)
+        python = found("python", environment)
+        subprocess.run([*python, "-c", code], cwd=files, env=environment, check=True)
 
 
 def try_the_application(files: Path, environment: dict[str, str]) -> None:
     """Ask the application for every file of its pages and for a run."""
-    command = ["latolato", "app", "--no-browser", "--port", "0"]
-    print("$", *command, flush=True)
+    command = "latolato app --no-browser --port 0"
+    print("$", command, flush=True)
     with subprocess.Popen(
-        command, cwd=files, env=environment, stdout=subprocess.PIPE, text=True
+        found(command, environment), cwd=files, env=environment, stdout=subprocess.PIPE, text=True
     ) as server:
         address = server.stdout.readline().split(" at ")[1].strip()
         try:
@@ -159,11 +182,17 @@ def try_the_application(files: Path, environment: dict[str, str]) -> None:
 def main() -> None:
     """Install, then use each part once."""
     lowest = sys.argv[1:] == ["--lowest"]
+    if lowest:
+        python = sys.executable
+    elif sys.argv[1:]:
+        python = sys.argv[1]
+    else:
+        python = newest_python()
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         files = folder / "files"
         files.mkdir()
-        environment = install(folder, lowest=lowest)
+        environment = install(folder, python, lowest=lowest)
         if lowest:
             use(LOWEST, (PLAY, COMPILE), files, environment)
         else:
