@@ -105,6 +105,19 @@ def test_a_branch_goes_on_past_grazes_with_more_and_more_impacts():
         assert float(again.initial_angle) == pytest.approx(float(point.initial_angle), abs=1e-9)
 
 
+def test_a_motion_keeps_its_impacts_where_another_one_is_nearly_the_same():
+    # That with 13 impacts lies so near that longer steps end on it, far from its graze.
+    toy = ll.LatoLato(length=0.245, mass=0.106, radius=0.02, damping=0.005, restitution=0.85)
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=3.0865 * toy.natural_frequency)
+    branch = continue_orbit(
+        toy, drive, low=3.0, high=3.125, points=60,
+        initial_angle=0.08192930, initial_angular_velocity=0.01312817,
+    )  # fmt: skip
+    assert branch.status.item() == "end of range"
+    assert set(branch.impacts.values) == {14}
+    assert "grazing" not in branch.special_kind.values
+
+
 @pytest.mark.parametrize("mass", [0.106, 0.11])
 def test_two_balls_go_on_past_a_graze_equal_or_not(mass):
     right, left = (

@@ -266,6 +266,20 @@ class Branch:
             if old.marks[kind] != new.marks[kind] and (kind != "grazing" or both_move)
         ]
 
+    def jumps(self, old: Place, new: Place, length: float) -> bool:
+        """Whether two neighbours with different impacts do not meet at the graze between them.
+
+        Motions that differ by one slow impact are so alike that a step can end on another branch.
+        """
+        if old.orbit.rests or new.orbit.rests or old.marks["grazing"] == new.marks["grazing"]:
+            return False
+        graze = self._locate(old, new, length, _same("grazing", old))
+        before = self.correct(old, graze.step_from(old, self.scale) - _SAME)
+        if before is None or before.marks["grazing"] != old.marks["grazing"]:
+            return True
+        gap = np.append(graze.orbit.start - before.orbit.start, graze.value - before.value)
+        return float(np.linalg.norm(gap / self.scale)) > 10.0 * _SAME
+
     def until_slack(self, old: Place, new: Place, length: float) -> Place:
         """Return the point between two neighbours beyond which a string goes slack."""
         return self._locate(old, new, length, lambda place: not place.orbit.slackens)

@@ -238,7 +238,8 @@ def _follow(
         place = places[-1]
         new = branch.correct(place, length)
         # A sharp turn, or a jump to another branch, is taken in shorter steps.
-        if new is None or new.tangent @ place.tangent < 0.9:
+        is_sharp = new is not None and new.tangent @ place.tangent < 0.9
+        if new is None or is_sharp or branch.jumps(place, new, length):
             length *= 0.5
             if length < _SHORTEST:
                 if min(place.value - low, high - place.value) <= _AT_END * (high - low):
