@@ -29,7 +29,7 @@ def wait_done(page, number):
 
 PIXELS = """() => {
   const { chart } = window.latolato.views.map;
-  chart.lines = [];
+  chart.lines = chart.curves = [];
   chart.cross = null;
   chart.draw();
   const context = chart.canvas.getContext("2d");
@@ -335,7 +335,7 @@ def test_a_map_is_coarse_until_somebody_asks_for_all_points(page):
     page.get_by_text("40000 points, 37500 of them new").wait_for()
     # A link to this map names its points.
     page.wait_for_function("() => location.search.includes('map.size=200')")
-    assert page.get_by_label("Points").input_value() == "200"
+    assert page.get_by_label("Points", exact=True).input_value() == "200"
     page.get_by_role("button", name="Compute again").wait_for()
 
 
@@ -621,7 +621,7 @@ def test_an_unusual_number_of_points_is_shown_and_too_many_are_refused(page):
     page.goto(f"/?view=map{small}")
     alert = page.locator(".message")
     alert.get_by_text("a map has at most 250000 points, got 501 x 501").wait_for()
-    points = page.get_by_label("Points")
+    points = page.get_by_label("Points", exact=True)
     assert points.input_value() == "501"
     assert "(251001)" in points.locator("option:checked").inner_text()
     points.select_option("25")

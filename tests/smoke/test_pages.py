@@ -58,7 +58,7 @@ def test_play(page, answer, scenario):
     wait_for(page, "[data-runs]")
     page.get_by_text("Energy and more curves", exact=True).click()
     # Pictures come one after the other, the table of contacts last.
-    page.wait_for_function("() => document.querySelector('.player .table-scroll').children.length")
+    page.wait_for_function("() => document.querySelector('.player .table-scroll')?.children.length")
     ends = page.evaluate(ENDS)
     assert len(ends) >= 10
     for low, high in ends:
