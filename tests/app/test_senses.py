@@ -318,7 +318,7 @@ def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
     listed = {
         "toy": "Space , . W ?",
         "held": "Space ↑ ↓ → ← D ⇧ D E ⇧ E P S R C",
-        "map": "← → ↓ ↑ Enter + =",
+        "map": "← → ↓ ↑ Enter C ⇧ C + =",
     }
     assert listed[view] in keys
     assert serious_faults(page) == []
