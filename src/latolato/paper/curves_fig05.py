@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato import Harmonic
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.paper import fig05, grids
@@ -77,10 +76,6 @@ _REACHES = _PLAIN | {"long_name": "whether a run passes 2 rad"}
 TOY = fig05.TOY
 
 
-def _shake(ratio: float, amplitude: float) -> Harmonic:
-    return Harmonic(drive_amplitude=amplitude, drive_frequency=ratio * TOY.natural_frequency)
-
-
 def data(quick: bool = False) -> xr.Dataset:
     """Return the map from rest, its edge after long runs, two curves, and two sections."""
     import xarray as xr
@@ -100,18 +95,10 @@ def data(quick: bool = False) -> xr.Dataset:
     edge, ratios = (QUICK_EDGE, QUICK_RATIOS) if quick else (EDGE, RATIOS)
     long = {"drive_amplitude": edge, "frequency_ratio": ratios}
     doublings = curves(QUICK_MOTIONS if quick else MOTIONS)
-    longest = max(curve.sizes["point"] for curve in doublings)
-
-    def padded(name: str) -> Floats:
-        rows = np.full((len(doublings), longest), np.nan)
-        for row, curve in zip(rows, doublings, strict=True):
-            row[: curve.sizes["point"]] = curve[name].values
-        return rows
-
     sections = [
         [
             analysis.poincare_section(
-                TOY, _shake(SECTION_RATIO, amplitude), initial_offset=offset,
+                TOY, grids.shake(TOY, SECTION_RATIO, amplitude), initial_offset=offset,
                 periods=SECTION_SHAKES, transient_periods=0.0,
             )
             for offset in (*STARTS, *OUTSIDE)
@@ -128,8 +115,10 @@ def data(quick: bool = False) -> xr.Dataset:
         "reaches_soon": (
             ("edge_amplitude", "edge_ratio"), _plane(reaches(long, paper.SWEEP_DURATION)), _REACHES,
         ),
-        "curve_amplitude": (("motion", "point"), padded("drive_amplitude"), _AMPLITUDE),
-        "curve_ratio": (("motion", "point"), padded("frequency_ratio"), _RATIO),
+        "curve_amplitude": (
+            ("motion", "point"), grids.padded(doublings, "drive_amplitude"), _AMPLITUDE,
+        ),
+        "curve_ratio": (("motion", "point"), grids.padded(doublings, "frequency_ratio"), _RATIO),
         "impacts": ("motion", [float(curve.impacts[0]) for curve in doublings], _IMPACTS),
         "shakes": ("motion", [float(curve.attrs["period"]) for curve in doublings], _SHAKES),
         **{
@@ -156,7 +145,7 @@ def curves(motions: Sequence[Sequence[float]] = MOTIONS) -> list[xr.Dataset]:
 
     return [
         analysis.bifurcation_curve(
-            TOY, _shake(ratio, amplitude), kind="period_doubling", initial_angle=start,
+            TOY, grids.shake(TOY, ratio, amplitude), kind="period_doubling", initial_angle=start,
             period=int(shakes), low=(0.1, slow), high=(0.4, fast), points=100,
         )
         for shakes, amplitude, ratio, start, slow, fast in motions

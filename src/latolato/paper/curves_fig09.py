@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from latolato import Harmonic
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.paper import fig09, grids
@@ -77,12 +76,6 @@ _ABOUT = {
 }
 
 
-def _shake(ratio: float, amplitude: float) -> Harmonic:
-    return Harmonic(
-        drive_amplitude=amplitude, drive_frequency=ratio * paper.SINGLE.natural_frequency
-    )
-
-
 def data(quick: bool = False) -> xr.Dataset:
     """Return the map, both edges, and the branches and followed motions at two amplitudes."""
     import xarray as xr
@@ -108,26 +101,17 @@ def data(quick: bool = False) -> xr.Dataset:
     )  # fmt: skip
     edges = curves()
     branches = [_branch(amplitude) for amplitude in AMPLITUDES]
-    longest = max(branch.sizes["point"] for branch in branches)
-    farthest = max(edge.sizes["point"] for edge in edges)
-
-    def padded(each: list[xr.Dataset], name: str, length: int) -> np.ndarray:
-        result = np.full((len(each), length), np.nan)
-        for row, dataset in zip(result, each, strict=True):
-            row[: dataset.sizes["point"]] = dataset[name].values
-        return result
-
     late = grid[LATE].values.reshape(rows, columns)
     variables = {
         LATE: (("drive_amplitude", "frequency_ratio"), late),
         "followed": (("set", "followed_ratio"), followed[LATE].values),
-        "branch_ratio": (("set", "branch_point"), padded(branches, "frequency_ratio", longest)),
-        "branch_angle": (("set", "branch_point"), padded(branches, "largest_angle", longest)),
-        "branch_is_stable": (("set", "branch_point"), padded(branches, "is_stable", longest)),
+        "branch_ratio": (("set", "branch_point"), grids.padded(branches, "frequency_ratio")),
+        "branch_angle": (("set", "branch_point"), grids.padded(branches, "largest_angle")),
+        "branch_is_stable": (("set", "branch_point"), grids.padded(branches, "is_stable")),
         "set_fold": ("set", np.array([_fold_of(branch) for branch in branches])),
-        "edge_amplitude": (("edge", "edge_point"), padded(edges, "drive_amplitude", farthest)),
-        "edge_ratio": (("edge", "edge_point"), padded(edges, "frequency_ratio", farthest)),
-        "edge_is_soft": (("edge", "edge_point"), padded(edges, "is_supercritical", farthest)),
+        "edge_amplitude": (("edge", "edge_point"), grids.padded(edges, "drive_amplitude")),
+        "edge_ratio": (("edge", "edge_point"), grids.padded(edges, "frequency_ratio")),
+        "edge_is_soft": (("edge", "edge_point"), grids.padded(edges, "is_supercritical")),
     }
     return xr.Dataset(
         {name: (dims, values, _ABOUT[name]) for name, (dims, values) in variables.items()},
@@ -149,8 +133,8 @@ def curves() -> list[xr.Dataset]:
     side = 2.0 * AMPLITUDES[-1] / paper.SINGLE.length
     return [
         analysis.bifurcation_curve(
-            paper.SINGLE, _shake(2.0 + sign * side, AMPLITUDES[-1]), kind="period_doubling",
-            initial_angle=0.0, low=_LOW, high=_HIGH, points=60,
+            paper.SINGLE, grids.shake(paper.SINGLE, 2.0 + sign * side, AMPLITUDES[-1]),
+            kind="period_doubling", initial_angle=0.0, low=_LOW, high=_HIGH, points=60,
         )
         for sign in (-1.0, 1.0)
     ]  # fmt: skip
@@ -165,7 +149,7 @@ def _branch(amplitude: float) -> xr.Dataset:
 
     from latolato import analysis, simulate
 
-    drive = _shake(_BEGIN, amplitude)
+    drive = grids.shake(paper.SINGLE, _BEGIN, amplitude)
     late = simulate(
         paper.SINGLE,
         drive,

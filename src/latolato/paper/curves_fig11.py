@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato import Harmonic
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.paper import fig11, grids
@@ -75,12 +74,6 @@ _ABOUT = {
     "lift_amplitude": _AMPLITUDE,
     "lift_ratio": _RATIO,
 }
-
-
-def _shake(ratio: float, amplitude: float) -> Harmonic:
-    return Harmonic(
-        drive_amplitude=amplitude, drive_frequency=ratio * paper.COUPLED.natural_frequency
-    )
 
 
 def data(quick: bool = False) -> xr.Dataset:
@@ -154,11 +147,11 @@ def curves(largest: float = AMPLITUDES[1]) -> list[xr.Dataset]:
 
     low, high = zip((AMPLITUDES[0], largest), fig11.RATIOS, strict=True)
     fold = analysis.bifurcation_curve(
-        paper.COUPLED, _shake(_FOLD, fig11.MIDDLE), kind="fold", low=low, high=high,
-        initial_angle=_AT_FOLD[0], initial_angular_velocity=_AT_FOLD[1],
+        paper.COUPLED, grids.shake(paper.COUPLED, _FOLD, fig11.MIDDLE), kind="fold",
+        low=low, high=high, initial_angle=_AT_FOLD[0], initial_angular_velocity=_AT_FOLD[1],
     )  # fmt: skip
     lift = analysis.bifurcation_curve(
-        paper.COUPLED, _shake(2.86, 0.03), kind="lift_off",
+        paper.COUPLED, grids.shake(paper.COUPLED, 2.86, 0.03), kind="lift_off",
         initial_angle=paper.COUPLED.contact_angle_low, low=low, high=high,
     )  # fmt: skip
     return [fold, lift]
@@ -168,7 +161,7 @@ def _swing(amplitude: float) -> tuple[xr.Dataset, xr.Dataset]:
     """Return the branch of the swing towards slower and towards faster shakes, at an amplitude."""
     from latolato import analysis, simulate
 
-    drive = _shake(_BEGIN, amplitude)
+    drive = grids.shake(paper.COUPLED, _BEGIN, amplitude)
     late = simulate(
         paper.COUPLED,
         drive,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato import LatoLato, Pendulum
+from latolato import Harmonic, LatoLato, Pendulum
 from latolato.figures import overlays
 from latolato.paper import systems as paper
 from latolato.paper.cases import Floats, variable
@@ -194,3 +194,16 @@ def outliers(active: Mask) -> float:
     """Return the share of points that differ from most of the nine around and on them."""
     windows = np.lib.stride_tricks.sliding_window_view(active, (3, 3)).sum(axis=(2, 3))
     return float(np.mean(active[1:-1, 1:-1] != (windows >= 5)))
+
+
+def shake(system: OneBall, ratio: float, amplitude: float) -> Harmonic:
+    """Return the harmonic drive of a frequency ratio [1] and an amplitude [m]."""
+    return Harmonic(drive_amplitude=amplitude, drive_frequency=ratio * system.natural_frequency)
+
+
+def padded(datasets: Sequence[xr.Dataset], name: str) -> Floats:
+    """Return a variable of branches or curves as rows, with NaN behind the shorter ones."""
+    rows = np.full((len(datasets), max(each.sizes["point"] for each in datasets)), np.nan)
+    for row, dataset in zip(rows, datasets, strict=True):
+        row[: dataset.sizes["point"]] = dataset[name].values
+    return rows
