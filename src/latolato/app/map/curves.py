@@ -38,8 +38,19 @@ def write_shipped(names: Iterable[str] = SHIPPED, folder: Path = CURVES) -> list
     paths = []
     for name in names:
         paths.append(folder / f"{name}.csv")
-        paths[-1].write_text("\n".join(map(to_csv, SHIPPED[name]())), encoding="utf-8")
+        text = "\n".join(to_csv(_shortened(curve)) for curve in SHIPPED[name]())
+        paths[-1].write_text(text, encoding="utf-8")
     return paths
+
+
+def _shortened(curve: xr.Dataset) -> xr.Dataset:
+    """Round a curve's numbers to twelve digits: with ten, motions at folds are not found again."""
+    shortened = curve.copy()
+    for name, variable in curve.data_vars.items():
+        if variable.dtype.kind == "f":
+            digits = np.array([float(f"{value:.12g}") for value in variable.values.ravel()])
+            shortened[name] = variable.copy(data=digits.reshape(variable.shape))
+    return shortened
 
 
 def read_curves(text: str) -> list[xr.Dataset]:
