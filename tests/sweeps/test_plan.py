@@ -441,3 +441,11 @@ def test_a_map_too_large_is_refused_with_its_size_and_a_way_out(monkeypatch):
     monkeypatch.setattr(np, "full", full)
     with pytest.raises(InputError, match=r"of 4 points do not fit .* allocate 1 TiB; give a store"):
         Memory(planned(), "host")
+
+
+def test_a_sweep_has_no_derivatives():
+    with pytest.raises(InputError, match=r"^sensitivity_to is for single runs: .*; call simulate"):
+        ll.sweep(
+            TOY, axes={"restitution": [0.5, 0.9]}, duration=1.0, initial_offset=0.3,
+            sensitivity_to=["length"],
+        )  # fmt: skip

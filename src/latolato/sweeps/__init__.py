@@ -49,6 +49,7 @@ def sweep(
     store: str | Path | None = None,
     chunk_size: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    sensitivity_to: str | Sequence[str] | None = None,
 ) -> xr.Dataset:
     """Return observables of many trajectories as a dataset over the varied parameters.
 
@@ -96,6 +97,8 @@ def sweep(
         Points that a worker takes, and that the store writes, at once.
     progress : callable, optional
         Called with the points done and their total number.
+    sensitivity_to
+        Refused: derivatives with respect to parameters are those of the samples of a single run.
 
     Returns
     -------
@@ -131,6 +134,12 @@ def sweep(
     >>> grid.largest_angle.dims
     ('drive_amplitude', 'frequency_ratio')
     """
+    if sensitivity_to is not None:
+        raise InputError(
+            "is for single runs: the observables of a sweep have no derivatives",
+            parameter="sensitivity_to",
+            way_out="call simulate for each point of interest",
+        )
     plan = make_plan(
         system,
         drive,
