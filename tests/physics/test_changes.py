@@ -8,7 +8,12 @@ import mpmath
 import numpy as np
 import pytest
 
-from latolato.physics.damping import drift_weights
+from latolato.physics.damping import (
+    drift_quadratic_weights,
+    drift_rate_weights,
+    effective_time,
+    effective_time_slope,
+)
 from latolato.physics.drives import segment
 from latolato.physics.drives.segment import CHANGES, Segment
 
@@ -73,6 +78,10 @@ def test_a_drift_under_drag(rate, quadratic):
         with mpmath.workdps(60):
             above, below = drifted(_TINY), drifted(-_TINY)
             wanted = [float((a - b) / (2 * _TINY)) for a, b in zip(above, below, strict=True)]
-        weights = np.reshape(drift_weights(velocity, sign, interval, body), (2, 2))
+        time, time_slope = effective_time(rate, interval), effective_time_slope(rate, interval)
+        weights = np.column_stack([
+            drift_rate_weights(velocity, sign, time, time_slope, body),
+            drift_quadratic_weights(velocity, sign, time, body),
+        ])  # fmt: skip
         found = weights @ [change.damping_rate, change.quadratic]
         assert found == pytest.approx(wanted, rel=1e-11, abs=1e-14)

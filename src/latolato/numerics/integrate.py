@@ -44,6 +44,7 @@ from latolato.numerics.prepare import (
     choose_stepper,
     empty_cases,
     make_prepare,
+    write_numbers,
     write_stepper,
 )
 from latolato.numerics.run_record import (
@@ -173,7 +174,7 @@ def _case_of(
     system: System, bounds: tuple[float, float], start: Start, duration: float, law: ContactLaw,
     **numbers: Any,
 ) -> NDArray[Any]:  # fmt: skip
-    """Return the case of one run, whose start is taken as it is, with its drive's bounds."""
+    """Return cases of a run, whose start is taken as it is, with its drive's bounds."""
     return cases_of(
         system, law, angles=start.angles, velocities=start.velocities,
         bounds=bounds, duration=duration, is_exact=1, **numbers,
@@ -186,17 +187,18 @@ def prepared_numbers(
     """Return settings, bodies and states at time zero of runs with steps of this length [s].
 
     Arrays of shape (run,), (run, 4) and (run,), a row for each of the systems, drives and starts.
-    All runs have the bounds of the first one's drive.
+    They differ in numbers only; all have the bounds of the first one's drive.
 
     Raises
     ------
     InputError
         With what is wrong with one of the cases.
     """
-    bounds = laws[0][1].largest_acceleration, laws[0][1].fastest_frequency
-    cases = np.zeros(len(laws), dtype=records.CASE)
+    first, drive, begin = laws[0]
+    bounds = drive.largest_acceleration, drive.fastest_frequency
+    cases = _case_of(first, bounds, begin, duration, law, count=len(laws))
     for k, (system, _, start) in enumerate(laws):
-        cases[k] = _case_of(system, bounds, start, duration, law)[0]
+        write_numbers(cases[k : k + 1], system, start.angles, start.velocities)
     cases["step"], none = step, empty_cases()
     settings, states = (np.zeros(len(laws), dtype=dtype) for dtype in (records.SETTINGS, STATE))
     bodies = np.zeros((len(laws), 4), dtype=records.BODY)

@@ -438,15 +438,9 @@ def cases_of(
         Other fields of `CASE`.
     """
     cases = np.zeros(count, dtype=CASE)
-    cases["gravity"], cases["restitution"] = system.gravity, getattr(system, "restitution", 1.0)
-    for i, ball in enumerate(system.balls):
-        cases["balls"][:, i] = ball_record(ball)
-    for i in range(system.angles):
-        cases["initial_angle"][:, i] = angles[i]
-        cases["initial_angular_velocity"][:, i] = velocities[i]
+    write_numbers(cases, system, angles, velocities)
     cases["initial_offset"], cases["initial_distance"] = math.nan, math.nan
     cases["is_string"], cases["in_lab"] = system.suspension == "string", system.drag_frame == "lab"
-    cases["string_restitution"] = system.string_restitution
     cases["pivot_bound"], cases["drive_rate"] = bounds
     cases["law"], cases["law_rate"] = law.numbers, law.fastest_rate
     cases["step"] = law.fixed_step or 0.0
@@ -456,6 +450,19 @@ def cases_of(
     for name, value in numbers.items():
         cases[name] = value
     return cases
+
+
+def write_numbers(
+    cases: NDArray[Any], system: System, angles: Sequence[Any], velocities: Sequence[Any]
+) -> None:
+    """Write the numbers of a system and of a start into cases; see `cases_of`."""
+    cases["gravity"], cases["restitution"] = system.gravity, getattr(system, "restitution", 1.0)
+    cases["string_restitution"] = system.string_restitution
+    for i, ball in enumerate(system.balls):
+        cases["balls"][:, i] = ball_record(ball)
+    for i in range(system.angles):
+        cases["initial_angle"][:, i] = angles[i]
+        cases["initial_angular_velocity"][:, i] = velocities[i]
 
 
 def choose_stepper(system: System) -> Stepper:

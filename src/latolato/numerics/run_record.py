@@ -39,6 +39,13 @@ KICK, DRIFT_TIME, OFFSET = 0, 1, 2
 # Tables of full steps are those of ball 1 and ball 2; then come those of steps of any length, for
 # ball 1, ball 2 and both as one body.
 ANY_LENGTH = 2
+# Columns of a step's record, a row for each kick and the drift after it: the velocity between them,
+# the derivative of the acceleration by the angle, those of the drift by the velocity, that of the
+# drift's effective time by the rate of the drag, those of angle and angular velocity at the end of
+# the step by the acceleration of the kick, and those of this by the numbers of
+# `forces.Pull.weights`.
+VELOCITY, GRADIENT, FAR, KEPT, TIME_SLOPE, LATER, FASTER, WEIGHTS = range(8)
+_RECORDED = WEIGHTS + 7
 # The last rows of `tangent_map`: by how much perturbations delay the present event, for each ball
 # [s].
 DELAY_ROWS = 8
@@ -197,8 +204,7 @@ class Run(Protocol):
     delay: Floats  # by how much the present event is later [s per unit], shape (parameter,)
     kept: Floats  # a copy of the tangent map through slack
     segment_changes: list[Segment]  # of the present segment, shape (parameter + 1,)
-    # The latest step by each table, kick by kick: the angle, the velocity after it, and the pivot's
-    # accelerations and velocities; and where a step ends that is only taken to be recorded.
+    # The latest step by each table, and where a step ends that is only taken to be recorded.
     path: Floats
     begun: Floats  # the forcing before it, shape (2, parameter)
     passing: list[Point]
@@ -233,7 +239,7 @@ def run_dtype(segment: np.dtype[Any] | None = None, parameters: int = 0) -> np.d
         delay=_array("f8", parameters),
         kept=_array("f8", slack_rows, columns),
         segment_changes=_array(segment, directions),
-        path=_array("f8", 5 if parameters > 0 else 0, MOST_STAGES + 1, 6),
+        path=_array("f8", 5 if parameters > 0 else 0, MOST_STAGES + 1, _RECORDED),
         begun=_array("f8", 2, parameters),
         passing=_array(POINT, 1 if parameters > 0 else 0),
         segment=segment,

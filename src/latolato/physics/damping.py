@@ -117,16 +117,18 @@ def _flow_slopes(
     velocity: float, sign: float, time: float, rate: float, quadratic: float
 ) -> tuple[float, float]:
     """See `drift_slopes`."""
+    if quadratic < _NONE:
+        return time, 1.0 - rate * time
     divisor = 1.0 + quadratic * sign * velocity * time
     return time / divisor, (1.0 - rate * time) / (divisor * divisor)
 
 
-# Below this argument the series of `_effective_time_slope` and `_log_excess` are exact enough.
+# Below this argument the series of `effective_time_slope` and `_log_excess` are exact enough.
 _SERIES_OF_SLOPES = 0.01
 
 
 @formula
-def _effective_time_slope(rate: float, time: float) -> float:
+def effective_time_slope(rate: float, time: float) -> float:
     """Derivative of `effective_time` with respect to the rate [s^2]."""
     x = rate * time
     if abs(x) < _SERIES_OF_SLOPES:
@@ -147,22 +149,32 @@ def _log_excess(x: float) -> float:
 
 
 @formula
-def drift_weights(
-    velocity: float, sign: float, interval: float, body: Any
-) -> tuple[float, float, float, float]:
-    """Derivatives of what `drift` returns by the drag, at a fixed velocity.
+def drift_rate_weights(
+    velocity: float, sign: float, time: float, time_slope: float, body: Any
+) -> tuple[float, float]:
+    """Derivatives of what `drift` returns by ``damping_rate``, at a fixed velocity [rad s], [rad].
 
-    Those of the angle by ``damping_rate`` and ``quadratic``, then those of the velocity. With
-    ``x = c2 sign w E`` and ``d = 1 + x`` the travelled angle ``ln(d)/(c2 sign)`` has the
-    derivatives ``w/d`` by E and ``sign (w E)^2 (x/d - ln d)/x^2`` by c2; the velocity afterwards is
-    ``w (1 - c1 E)/d``.
+    With ``d = 1 + c2 sign w E`` the travelled angle ``ln(d)/(c2 sign)`` has the derivative ``w/d``
+    by E, and the velocity afterwards is ``w (1 - c1 E)/d``.
 
     Parameters
     ----------
-    interval : float
-        The interval itself [s], of which `drift` gets the `effective_time` E.
+    time, time_slope : float
+        E, and its `effective_time_slope` [s^2].
     """
-    return _flow_weights(velocity, sign, interval, body.damping_rate, body.quadratic)
+    return _rate_weights(velocity, sign, time, time_slope, body.damping_rate, body.quadratic)
+
+
+@formula
+def drift_quadratic_weights(
+    velocity: float, sign: float, time: float, body: Any
+) -> tuple[float, float]:
+    """Derivatives of what `drift` returns by ``quadratic``, at a fixed velocity [rad], [rad/s].
+
+    With ``x = c2 sign w E`` and ``d = 1 + x`` that of the travelled angle ``ln(d)/(c2 sign)`` is
+    ``sign (w E)^2 (x/d - ln d)/x^2``, and the velocity afterwards is ``w (1 - c1 E)/d``.
+    """
+    return _quadratic_weights(velocity, sign, time, body.damping_rate, body.quadratic)
 
 
 @formula
@@ -172,27 +184,36 @@ def drift_changes_in_plane(
     """Derivatives of the way and the speed of `drift_in_plane` with respect to a parameter."""
     quadratic = body.quadratic * body.inverse_length
     grown = change.quadratic * body.inverse_length + body.quadratic * change.inverse_length
-    way, longer, slower, drawn = _flow_weights(speed, 1.0, interval, body.damping_rate, quadratic)
-    rate_change = change.damping_rate
+    rate, rate_change = body.damping_rate, change.damping_rate
+    time, time_slope = effective_time(rate, interval), effective_time_slope(rate, interval)
+    way, slower = _rate_weights(speed, 1.0, time, time_slope, rate, quadratic)
+    longer, drawn = _quadratic_weights(speed, 1.0, time, rate, quadratic)
     return way * rate_change + longer * grown, slower * rate_change + drawn * grown
 
 
 @formula
-def _flow_weights(
-    velocity: float, sign: float, interval: float, rate: float, quadratic: float
-) -> tuple[float, float, float, float]:
-    """See `drift_weights`."""
-    time, later = effective_time(rate, interval), _effective_time_slope(rate, interval)
+def _rate_weights(
+    velocity: float, sign: float, time: float, time_slope: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """See `drift_rate_weights`."""
+    slowed = time + rate * time_slope
+    if quadratic < _NONE:
+        return velocity * time_slope, -velocity * slowed
+    divisor = 1.0 + quadratic * sign * velocity * time
+    kept = (1.0 - rate * time) * sign / divisor
+    slowed += kept * quadratic * velocity * time_slope
+    return velocity * time_slope / divisor, -velocity * slowed / divisor
+
+
+@formula
+def _quadratic_weights(
+    velocity: float, sign: float, time: float, rate: float, quadratic: float
+) -> tuple[float, float]:
+    """See `drift_quadratic_weights`."""
     way = velocity * time
     x, divisor = quadratic * sign * way, 1.0 + quadratic * sign * way
     kept = (1.0 - rate * time) * sign / divisor
-    slowed = time + rate * later + kept * quadratic * velocity * later
-    return (
-        velocity * later / divisor,
-        sign * way * way * _log_excess(x),
-        -velocity * slowed / divisor,
-        -velocity * kept * way / divisor,
-    )
+    return sign * way * way * _log_excess(x), -velocity * kept * way / divisor
 
 
 @formula

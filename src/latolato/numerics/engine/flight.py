@@ -274,14 +274,15 @@ def make_flight(
         is_whole = run.is_whole != 0 and length == run.length
         for i in range(count):
             table = i if is_whole else ANY_LENGTH + i
-            if not is_whole:
-                swing.prepare(run, i, table, length)
             write_matrix(run.jacobian, i, swing.tangent(run, i, table, run.now[i]))
 
     @part
     def note_matrix(run: Run, accumulators: Accumulators) -> None:
         """Report the tangent map of the step."""
         spread = 0.0
+        if run.is_whole == 0:
+            for i in range(count):
+                swing.prepare_tangent(run, i, ANY_LENGTH + i, run.length, run.now[i])
         write_tangent(run, run.length)
         for i in range(count):
             b, begin, end = run.bodies[i], run.now[i], run.end[i]

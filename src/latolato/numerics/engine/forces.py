@@ -13,9 +13,28 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import cosine, formula, sine
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.parts import Part, as_it_stands, inlined
-from latolato.numerics.records import Body
-from latolato.numerics.run_record import ANY_LENGTH, DRIFT_TIME, KICK, OFFSET, Point, Run
-from latolato.physics.damping import drift, drift_slopes, drift_weights
+from latolato.numerics.records import Body, Floats
+from latolato.numerics.run_record import (
+    DRIFT_TIME,
+    FAR,
+    FASTER,
+    GRADIENT,
+    KEPT,
+    KICK,
+    LATER,
+    OFFSET,
+    TIME_SLOPE,
+    VELOCITY,
+    WEIGHTS,
+    Point,
+    Run,
+)
+from latolato.physics.damping import (
+    drift,
+    drift_quadratic_weights,
+    drift_rate_weights,
+    drift_slopes,
+)
 from latolato.physics.pendulum import swung
 
 # The pivot's acceleration [m/s^2] and its velocity against the air [m/s], x and y each.
@@ -41,6 +60,12 @@ class Pull(NamedTuple):
         The derivative of the pivot's `Motion` with respect to parameter p.
     weights : function ``(run, b, angle, moving)``
         The derivatives of the sum of `accelerations`, at a fixed angle, by the numbers in it.
+    no_weights : tuple
+        Weights of zero.
+    write_weights : function ``(path, weights)``
+        Write weights into the record of a kick, ``run.path``.
+    read_weights : function ``(path)``
+        The weights that were written there.
     add_weights : function ``(totals, weights, share)``
         Totals of weights with a share of further ones.
     driven_change : function ``(weights, moved)``
@@ -55,6 +80,9 @@ class Pull(NamedTuple):
     tension: Callable[..., float]
     moved: Callable[..., Motion]
     weights: Callable[..., Any]
+    no_weights: tuple[float, ...]
+    write_weights: Callable[..., None]
+    read_weights: Callable[..., Any]
     add_weights: Callable[..., Any]
     driven_change: Callable[..., float]
     steady_change: Callable[..., float]
@@ -129,6 +157,14 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         return swung(1.0, b.inverse_length, restored), swung(lifted, 1.0, restored)
 
     @inline
+    def write_weights(path: Floats, weights: tuple[float, float]) -> None:
+        path[WEIGHTS], path[WEIGHTS + 1] = weights
+
+    @inline
+    def read_weights(path: Floats) -> tuple[float, float]:
+        return path[WEIGHTS], path[WEIGHTS + 1]
+
+    @inline
     def add_weights(
         totals: tuple[float, float], weights: tuple[float, float], share: float
     ) -> tuple[float, float]:
@@ -145,8 +181,8 @@ def make_upright(laws: Laws, part: Part = as_it_stands) -> Forces:
         return weights[0] * changed.gravity + weights[1] * shorter
 
     pull = Pull(
-        motion, accelerations, gradient, tension, moved, weights, add_weights, driven_change,
-        steady_change,
+        motion, accelerations, gradient, tension, moved, weights, (0.0,) * 2, write_weights,
+        read_weights, add_weights, driven_change, steady_change,
     )  # fmt: skip
     return make_forces(pull, laws, part)
 
@@ -239,6 +275,19 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         )  # fmt: skip
 
     @inline
+    def write_weights(path: Floats, weights: PlaneWeights) -> None:
+        path[WEIGHTS], path[WEIGHTS + 1], path[WEIGHTS + 2] = weights[0], weights[1], weights[2]
+        path[WEIGHTS + 3], path[WEIGHTS + 4] = weights[3], weights[4]
+        path[WEIGHTS + 5], path[WEIGHTS + 6] = weights[5], weights[6]
+
+    @inline
+    def read_weights(path: Floats) -> PlaneWeights:
+        return (
+            path[WEIGHTS], path[WEIGHTS + 1], path[WEIGHTS + 2], path[WEIGHTS + 3],
+            path[WEIGHTS + 4], path[WEIGHTS + 5], path[WEIGHTS + 6],
+        )  # fmt: skip
+
+    @inline
     def add_weights(totals: PlaneWeights, weights: PlaneWeights, share: float) -> PlaneWeights:
         return (
             totals[0] + share * weights[0], totals[1] + share * weights[1],
@@ -259,8 +308,8 @@ def make_planar(laws: Laws, part: Part = as_it_stands) -> Forces:
         return result + weights[5] * other.wind_drag + weights[6] * other.wind_offset
 
     pull = Pull(
-        motion, accelerations, gradient, tension, moved, weights, add_weights, driven_change,
-        steady_change,
+        motion, accelerations, gradient, tension, moved, weights, (0.0,) * 7, write_weights,
+        read_weights, add_weights, driven_change, steady_change,
     )  # fmt: skip
     return make_forces(pull, laws, part)
 
@@ -270,6 +319,8 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
     accelerations, gradient, pull_tension = pull.accelerations, pull.gradient, pull.tension
     motion, push, push_slope = pull.motion, laws.push, laws.push_slope
     moved, weights, add_weights = pull.moved, pull.weights, pull.add_weights
+    write_weights, read_weights = pull.write_weights, pull.read_weights
+    no_weights = pull.no_weights
     driven_change, steady_change = pull.driven_change, pull.steady_change
     sensitive = len(laws.changes) > 0
     follows_always = laws.plane is not None  # strings need it
@@ -324,11 +375,23 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
             point.tension = tension(run, body, point)
 
     @inlined(part)
-    def record(run: Run, table: int, i: int, angle: float, velocity: float, moving: Motion) -> None:
-        """Record a kick for `recorded_tangent`."""
-        run.path[table, i, 0], run.path[table, i, 1] = angle, velocity
-        run.path[table, i, 2], run.path[table, i, 3] = moving[0], moving[1]
-        run.path[table, i, 4], run.path[table, i, 5] = moving[2], moving[3]
+    def record_kick(
+        run: Run, b: Body, table: int, i: int, angle: float, velocity: float, moving: Motion
+    ) -> None:
+        """Record the derivatives of a kick at this angle, and the velocity after it.
+
+        A step waits for one angle after the other; meanwhile this costs it little.
+        """
+        path = run.path[table, i]
+        path[VELOCITY] = velocity
+        path[GRADIENT] = gradient(run, b, angle, moving) + push_slope(angle, run)
+        write_weights(path, weights(run, b, angle, moving))
+
+    @inlined(part)
+    def record_drift(run: Run, b: Body, table: int, i: int, velocity: float, sign: float) -> None:
+        """Record the derivatives of the drift that follows a kick."""
+        path, drift_time = run.path[table, i], run.tables[table, DRIFT_TIME, i]
+        path[FAR], path[KEPT] = drift_slopes(velocity, sign, drift_time, b)
 
     @inlined(part)
     def step(run: Run, body: int, table: int, begin: Point, end: Point) -> None:
@@ -356,7 +419,8 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
             loss += h * (friction - blown) * middle
             velocity += change
             if sensitive:
-                record(run, table, i, angle, velocity, moving)
+                record_kick(run, b, table, i, angle, velocity, moving)
+                record_drift(run, b, table, i, velocity, sign)
             travelled, slower = drift(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
             loss += 0.5 * (velocity - slower) * (velocity + slower)
             angle += travelled
@@ -371,7 +435,7 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         loss += h * (friction - blown) * middle
         velocity += change
         if sensitive:
-            record(run, table, run.stages, angle, velocity, moving)
+            record_kick(run, b, table, run.stages, angle, velocity, moving)
         end.angle, end.velocity, end.sign = angle, velocity, sign
         end.acceleration, end.driven = a, driven
         end.across, end.pivot_acceleration, end.wind_x, end.wind_y = moving
@@ -419,13 +483,14 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         return 2.0 * point.velocity * faster + b.inverse_length * pulled + shorter
 
     @part
-    def changes_drag(run: Run, body: int) -> bool:
-        """Whether a parameter changes the drag against the pivot."""
+    def changes_drag(run: Run, body: int) -> tuple[bool, bool]:
+        """Whether a parameter changes the linear drag against the pivot, and the quadratic one."""
+        linear = quadratic = False
         for p in range(run.parameters):
             other = run.changes[p].bodies[body]
-            if other.damping_rate != 0.0 or other.quadratic != 0.0:
-                return True
-        return False
+            linear = linear or other.damping_rate != 0.0
+            quadratic = quadratic or other.quadratic != 0.0
+        return linear, quadratic
 
     @part
     def changes_drive(run: Run) -> bool:
@@ -436,16 +501,20 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         return seen
 
     @inlined(part)
-    def drive_forcing(run: Run, row: int, t: float, by: Any, later: float, faster: float) -> None:
-        """Add to the forcing what the pivot's changed motion does in a kick.
-
-        The ends owe `later` and `faster` to an acceleration there.
-        """
+    def add_drive_forcing(run: Run, row: int, table: int) -> None:
+        """Add to the forcing what the pivot's changed motion does in the kicks of a step."""
         for p in range(run.parameters):
-            if run.changes[p].moves_pivot != 0:
-                pulled = driven_change(by, pivot_change(run, t, p))
-                run.forcing[row, p] += later * pulled
-                run.forcing[row + 1, p] += faster * pulled
+            if run.changes[p].moves_pivot == 0:
+                continue
+            later, faster, t = 0.0, 0.0, run.t
+            for i in range(run.stages + 1):
+                path = run.path[table, i]
+                pulled = driven_change(read_weights(path), moved(run, t, p))
+                later += path[LATER] * pulled
+                faster += path[FASTER] * pulled
+                t = run.t + run.tables[table, OFFSET, i]
+            run.forcing[row, p] += later
+            run.forcing[row + 1, p] += faster
 
     @part
     def tangent(run: Run, body: int, table: int, begin: Point) -> tuple[float, float, float, float]:
@@ -498,54 +567,48 @@ def make_forces(pull: Pull, laws: Laws, part: Part) -> Forces:
         sign = begin.sign
         if sign == 0.0:
             return 1.0, 0.0, 0.0, 0.0
-        if table >= ANY_LENGTH:
-            step(run, body, table, begin, run.passing[0])
-        b, drives, brakes = run.bodies[body], changes_drive(run), changes_drag(run, body)
-        row, span = 2 * body if body < 2 else 0, run.tables[table, OFFSET, run.stages - 1]
+        b, drives, (brakes, draws) = run.bodies[body], changes_drive(run), changes_drag(run, body)
+        row = 2 * body if body < 2 else 0
         for p in range(run.parameters):
             for k in range(2):
                 run.begun[k, p], run.forcing[row + k, p] = run.forcing[row + k, p], 0.0
         m11, m12, m21, m22 = 1.0, 0.0, 0.0, 1.0
-        by = weights(run, b, begin.angle, motion_of(begin))
-        later = add_weights(by, by, -1.0)
-        faster = later
-        rubbed_1 = rubbed_2 = braked_1 = braked_2 = drawn_1 = drawn_2 = 0.0
+        later = faster = no_weights
+        pushed_1 = pushed_2 = braked_1 = braked_2 = drawn_1 = drawn_2 = 0.0
         for i in range(run.stages, -1, -1):
-            angle, velocity = run.path[table, i, 0], run.path[table, i, 1]
-            moving = (
-                run.path[table, i, 2], run.path[table, i, 3], run.path[table, i, 4],
-                run.path[table, i, 5],
-            )  # fmt: skip
+            path = run.path[table, i]
             if i < run.stages:
-                far, kept = drift_slopes(velocity, sign, run.tables[table, DRIFT_TIME, i], b)
+                far, kept = path[FAR], path[KEPT]
+                velocity, time = path[VELOCITY], run.tables[table, DRIFT_TIME, i]
                 if brakes:
-                    way, longer, slower, drawn = drift_weights(
-                        velocity, sign, run.drifts[i] * span, b
-                    )
+                    way, slower = drift_rate_weights(velocity, sign, time, path[TIME_SLOPE], b)
                     braked_1 += m11 * way + m12 * slower
                     braked_2 += m21 * way + m22 * slower
-                    drawn_1 += m11 * longer + m12 * drawn
-                    drawn_2 += m21 * longer + m22 * drawn
+                if draws:
+                    way, slower = drift_quadratic_weights(velocity, sign, time, b)
+                    drawn_1 += m11 * way + m12 * slower
+                    drawn_2 += m21 * way + m22 * slower
                 m12, m22 = m11 * far + m12 * kept, m21 * far + m22 * kept
             h = run.tables[table, KICK, i]
-            by = weights(run, b, angle, moving)
+            by = read_weights(path)
             later, faster = add_weights(later, by, h * m12), add_weights(faster, by, h * m22)
-            rubbed_1 -= h * m12 * sign
-            rubbed_2 -= h * m22 * sign
+            pushed_1 += h * m12
+            pushed_2 += h * m22
             if drives:
-                t = run.t + run.tables[table, OFFSET, i - 1] if i > 0 else run.t
-                drive_forcing(run, row, t, by, h * m12, h * m22)
-            kicked = h * (gradient(run, b, angle, moving) + push_slope(angle, run))
+                path[LATER], path[FASTER] = h * m12, h * m22
+            kicked = h * path[GRADIENT]
             m11 += m12 * kicked
             m21 += m22 * kicked
         for p in range(run.parameters):
             other, x, v = run.changes[p].bodies[body], run.begun[0, p], run.begun[1, p]
             run.forcing[row, p] += m11 * x + m12 * v + steady_change(run, later, body, p)
             run.forcing[row, p] += braked_1 * other.damping_rate + drawn_1 * other.quadratic
-            run.forcing[row, p] += rubbed_1 * other.coulomb
+            run.forcing[row, p] -= sign * pushed_1 * other.coulomb
             run.forcing[row + 1, p] += m21 * x + m22 * v + steady_change(run, faster, body, p)
             run.forcing[row + 1, p] += braked_2 * other.damping_rate + drawn_2 * other.quadratic
-            run.forcing[row + 1, p] += rubbed_2 * other.coulomb
+            run.forcing[row + 1, p] -= sign * pushed_2 * other.coulomb
+        if drives:
+            add_drive_forcing(run, row, table)
         return m11, m12, m21, m22
 
     return Forces(

@@ -388,8 +388,7 @@ def make_engine(
             if in_plane:
                 write_place(run, output, run.now, count)
             if sensitive:
-                for i in range(count):
-                    run.inside[i] = run.now[i]
+                evaluate_inside(run, 0.0)
                 write_derivatives(run, output, 0.0)
             write_sample(run, output, run.now, count, 0.0, 0.0)
         for i in range(count):

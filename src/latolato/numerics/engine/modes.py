@@ -20,8 +20,8 @@ class Mode(NamedTuple):
     note : callable ``(run, accumulators)``
         Add up compression, and report the step and its tangent map.
     write_tangent : callable ``(run, length)``, optional
-        Write the tangent map of that part of the planned step [s], and the forcing of parameters;
-        runs that are differentiated need it.
+        Write the tangent map of the part of the planned step [s] that `evaluate_inside` has just
+        filled, and the forcing of parameters; runs that are differentiated need it.
     """
 
     number: int

@@ -206,7 +206,6 @@ def make_sticking(
     def write_tangent(run: Run, length: float) -> None:
         """Write the tangent map of a part of the step of both as one."""
         body, side = body_of(run), run.state.side
-        swing.prepare(run, body, _TABLE, length)
         begin_joint(run, side)
         matrix = swing.tangent(run, body, _TABLE, run.now[PAIR_ROW])
         write_joint_matrix(run.jacobian, share_of(run), matrix)
@@ -230,6 +229,7 @@ def make_sticking(
             )
             report.step(run, accumulators, i, a0, a1, 1.0)
         if report.wants_tangent_map(run):
+            swing.prepare_tangent(run, body, _TABLE, run.length, begin)
             write_tangent(run, run.length)
             report.matrix(run, accumulators, 4, run.length, -math.inf)
 

@@ -289,10 +289,11 @@ def make_tangent_map(
         if run.state.has_tangent_map == 0:
             return
         for i in range(count):
-            swing.prepare(run, i, ANY_LENGTH + i, length)
             if run.state.is_slack[i] != 0:
+                swing.prepare(run, i, ANY_LENGTH + i, length)
                 follow_fall(run, i)
                 continue
+            swing.prepare_tangent(run, i, ANY_LENGTH + i, length, run.now[i])
             m11, m12, m21, m22 = swing.tangent(run, i, ANY_LENGTH + i, run.now[i])
             for column in range(columns_of(run)):
                 angle, velocity = taut_perturbation(run, i, column, run.now[i])

@@ -16,8 +16,8 @@ from latolato.numerics.engine.forces import make_planar, make_upright
 from latolato.numerics.engine.laws import Laws
 from latolato.numerics.parts import Part, as_it_stands
 from latolato.numerics.records import Body
-from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, Point, Run
-from latolato.physics.damping import drag, effective_time, viscous_drag
+from latolato.numerics.run_record import DRIFT_TIME, KICK, OFFSET, TIME_SLOPE, Point, Run
+from latolato.physics.damping import drag, effective_time, effective_time_slope, viscous_drag
 
 # The shortest step that changes the time, per time: an event ends a step at a later instant.
 SHORTEST = 2.3e-16
@@ -36,6 +36,7 @@ class TautStep(NamedTuple):
     free: Callable[..., float]
     settle: Callable[..., None]
     turn: Callable[..., float]
+    prepare_tangent: Callable[..., None]
     tangent: Callable[..., Any]
     tension: Callable[..., float]
     static_tension: Callable[..., float]
@@ -73,6 +74,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
     make_forces = make_upright if laws.plane is None else make_planar
     forces = make_forces(laws, part)
     free, write_forces, step = forces.free, forces.write_forces, forces.step
+    sensitive = len(laws.changes) > 0
 
     @part
     def prepare(run: Run, body: int, table: int, length: float) -> None:
@@ -82,6 +84,9 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
             run.tables[table, KICK, i] = run.kicks[i] * length
             run.tables[table, DRIFT_TIME, i] = effective_time(rate, run.drifts[i] * length)
             run.tables[table, OFFSET, i] = run.nodes[i] * length
+            if sensitive:
+                slope = effective_time_slope(rate, run.drifts[i] * length)
+                run.path[table, i, TIME_SLOPE] = slope
         run.tables[table, KICK, run.stages] = run.kicks[run.stages] * length
 
     @part
@@ -89,6 +94,13 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         """Take a step of any length [s]."""
         prepare(run, body, table, length)
         step(run, body, table, begin, end)
+
+    @part
+    def prepare_tangent(run: Run, body: int, table: int, length: float, begin: Point) -> None:
+        """Prepare what `tangent` needs for a step of any length [s]: it may have to be recorded."""
+        prepare(run, body, table, length)
+        if sensitive:
+            step(run, body, table, begin, run.passing[0])
 
     @part
     def extend_step(run: Run, body: int, t: float, missing: float, point: Point) -> None:
@@ -167,6 +179,7 @@ def make_taut_step(laws: Laws, part: Part = as_it_stands) -> TautStep:
         free=free,
         settle=settle,
         turn=turn,
+        prepare_tangent=prepare_tangent,
         tangent=forces.tangent,
         tension=forces.tension,
         static_tension=forces.static_tension,
