@@ -255,7 +255,10 @@ def engine_of(
 
         def carry_on_plainly(runs: NDArray[Any], timetable: Timetable, *rest: Any) -> int:
             run, segments = as_objects(runs)[0], as_objects(timetable.segments)
-            written = plain(run, timetable._replace(segments=segments), *rest)
+            changes = as_objects(timetable.segment_changes)
+            timetable = timetable._replace(segments=segments, segment_changes=changes)
+            written = plain(run, timetable, *rest)
+            runs["doubt"], runs["doubted_since"] = run.doubt, run.doubted_since
             write_back([run.state], runs["state"])
             return written
 

@@ -20,7 +20,7 @@ from latolato.core.parameters import Parameter
 from latolato.core.quantities import Range
 from latolato.core.registry import suggest
 from latolato.numerics import records
-from latolato.numerics.engine import sensitivity as engine
+from latolato.numerics.engine import doubts
 from latolato.numerics.integrate import Directions, Floats, Start, prepared_numbers
 from latolato.numerics.run_record import CHANGE, MOST_PARAMETERS
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough
@@ -37,11 +37,11 @@ Numbers = dict[str, NDArray[Any]]
 
 # Why derivatives are not known from some instant on.
 DOUBTS = {
-    engine.GRAZING: "a ball grazed a contact, where derivatives grow beyond all bounds",
-    engine.TOGETHER: "two events fell on one instant, and a change of a parameter parts them",
-    engine.CAPTURED: "the last bounces of a capture were not followed one by one",
-    engine.START: "at the start the balls touch, and the parameter would part or overlap them",
-    engine.JUMP_IN_SLACK: "the drive changed at an instant that depends on the parameter while a "
+    doubts.GRAZING: "a ball grazed a contact, where derivatives grow beyond all bounds",
+    doubts.TOGETHER: "two events fell on one instant, and a change of a parameter parts them",
+    doubts.CAPTURED: "the last bounces of a capture were not followed one by one",
+    doubts.START: "at the start the balls touch, and the parameter would part or overlap them",
+    doubts.JUMP_IN_SLACK: "the drive changed at an instant that depends on the parameter while a "
     "string was slack",
 }
 

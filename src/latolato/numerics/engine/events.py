@@ -9,8 +9,9 @@ from typing import NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls, share_of
+from latolato.numerics.engine.doubts import CAPTURED
 from latolato.numerics.engine.report import Report
-from latolato.numerics.engine.sensitivity import CAPTURED, Sensitivity
+from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.taut_step import (
     SHORTEST,
     TautStep,

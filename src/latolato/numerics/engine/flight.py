@@ -8,9 +8,10 @@ from collections.abc import Callable
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.contact_time import GAP, RATE
 from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.doubts import GRAZING, GRAZING_DEPTH
 from latolato.numerics.engine.modes import Mode
 from latolato.numerics.engine.report import Report
-from latolato.numerics.engine.sensitivity import GRAZING, GRAZING_DEPTH, Sensitivity
+from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.stiction import Stiction, add_compression
 from latolato.numerics.engine.strings import NO_STRINGS, Strings
 from latolato.numerics.engine.taut_step import (

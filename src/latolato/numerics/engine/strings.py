@@ -13,9 +13,10 @@ from typing import Any, NamedTuple
 from latolato.core.scalar import formula
 from latolato.numerics.callbacks import Accumulators
 from latolato.numerics.engine.balls import Balls
+from latolato.numerics.engine.doubts import CAPTURED, TOGETHER
 from latolato.numerics.engine.events import Event
 from latolato.numerics.engine.gaps import ROUNDING, THERE, Gaps
-from latolato.numerics.engine.sensitivity import CAPTURED, TOGETHER, Sensitivity
+from latolato.numerics.engine.sensitivity import Sensitivity
 from latolato.numerics.engine.slack_step import place_taut, radial_rate
 from latolato.numerics.engine.tangent_map import TangentMap
 from latolato.numerics.engine.taut_step import SHORTEST, STILL, TautStep
