@@ -9,6 +9,7 @@ ratios are compared between machines.
 
 from __future__ import annotations
 
+import itertools
 import json
 import math
 import platform
@@ -16,7 +17,7 @@ import re
 import subprocess
 import time
 from collections.abc import Callable, Iterator, Sequence
-from datetime import date
+from datetime import date, timedelta
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -34,6 +35,8 @@ MEASURED = ("src", "benchmarks/*.py")
 PROGRAMS = ("heyoka", "SciPy")
 # Vector instructions that a machine may have, in the words of LLVM.
 VECTORS = ("avx2", "avx512f", "neon", "sve")
+# Of the picture: panels in a row, and time before the first and after the last measurement.
+COLUMNS, MARGIN = 3, timedelta(days=20)
 MARKED = re.compile(
     r"(?<=<!-- speed: `make bench` writes what follows -->\n).*(?=<!-- speed ends -->)", re.DOTALL
 )
@@ -79,6 +82,12 @@ def time_at(error: float, runs: Sequence[tuple[float, float]]) -> float:
     return float(np.exp(np.interp(math.log(error), errors, times)))
 
 
+def _commit() -> str:
+    """Return the commit of what is measured, and whether it was edited since."""
+    edited = " edited" if _git("status", "--porcelain") else ""
+    return _git("log", "-1", "--format=%h").strip() + edited
+
+
 def _git(*words: str) -> str:
     """Return what git prints about what is measured."""
     command = ["git", *words, "--", *MEASURED]
@@ -90,14 +99,12 @@ def _machine() -> dict[str, Any]:
     known, processor = Path("/proc/cpuinfo"), this_processor()
     named = re.search(r"model name\s*: (.+)", known.read_text("utf-8")) if known.exists() else None
     name = named[1] if named else platform.processor() or platform.machine()
-    edited = " edited" if _git("status", "--porcelain") else ""
     return {
         "date": date.today().isoformat(),
         "device": f"{name} ({processor.name})",
         "vectors": [name for name in VECTORS if f"+{name}" in processor.features.split(",")],
         "python": platform.python_version(),
         "versions": {name: version(name) for name in ("NumPy", "numba", *PROGRAMS)},
-        "commit": _git("log", "-1", "--format=%h").strip() + edited,
     }
 
 
@@ -118,15 +125,15 @@ def record(work: str, meaning: str, own: float, peers: dict[str, float]) -> None
 
     Notes
     -----
-    Measured again on the same day, a work replaces itself, and another commit replaces the file.
+    Measured again on the same day, a work replaces itself.
     """
     machine = _machine()
     slug = re.sub(r"[^a-z0-9]+", "-", machine["device"].lower()).strip("-")
     path = HISTORY / f"{machine['date']}-{slug}.json"
-    measured = json.loads(path.read_text("utf-8")) if path.exists() else {"commit": None}
-    ratios = measured["ratios"] if measured["commit"] == machine["commit"] else {}
+    ratios = json.loads(path.read_text("utf-8"))["ratios"] if path.exists() else {}
     ratios[work] = {
         "meaning": meaning,
+        "commit": _commit(),
         "ms": _rounded(1e3 * own),
         "peers": {
             peer: {"ms": _rounded(1e3 * seconds), "ratio": _rounded(seconds / own)}
@@ -176,8 +183,7 @@ def page_table(measured: dict[str, Any]) -> str:
     """Return the page's table: every ratio and what it compares."""
     programs = ", ".join(f"{name} {number}" for name, number in measured["versions"].items())
     lines = [
-        f"{machine_of(measured)}, {measured['date']}, commit {measured['commit']}, "
-        f"Python {measured['python']}, {programs}:\n\n",
+        f"{machine_of(measured)}, {measured['date']}, Python {measured['python']}, {programs}:\n\n",
         "| work | latolato | beside | takes | ratio |\n|---|---|---|---|---|\n",
     ]
     for work, peer, compared in _each(measured):
@@ -197,26 +203,33 @@ def _each(measured: dict[str, Any]) -> Iterator[tuple[str, str, dict[str, float]
 
 
 def draw(path: Path) -> None:
-    """Draw the history of each ratio, one colour a machine."""
+    """Draw the history of each ratio, one panel a ratio and one colour a machine."""
+    from matplotlib.dates import AutoDateLocator, ConciseDateFormatter
+
     kept = history()
-    names = list(dict.fromkeys((work, peer) for each in kept for work, peer, _ in _each(each)))
-    devices = list(dict.fromkeys(map(machine_of, kept)))
-    columns = 3
+    colours = dict(zip(map(machine_of, kept), itertools.cycle(style.COLOURS), strict=False))
+    days = [date.fromisoformat(each["date"]) for each in kept]
+    # By work and peer, then by machine.
+    lines: dict[tuple[str, str], dict[str, list[tuple[date, float]]]] = {}
+    for day, each in zip(days, kept, strict=True):
+        for work, peer, compared in _each(each):
+            by_machine = lines.setdefault((work, peer), {})
+            by_machine.setdefault(machine_of(each), []).append((day, compared["ratio"]))
     with style.use_style():
-        figure, panels = style.new_figure(math.ceil(len(names) / columns), columns, sharex=True)
-        for panel in panels.flat[len(names) :]:
+        figure, panels = style.new_figure(math.ceil(len(lines) / COLUMNS), COLUMNS, sharex=True)
+        for panel in panels.flat[len(lines) :]:
             panel.set_visible(False)
-        for panel, (work, peer) in zip(panels.flat, names, strict=False):
+        for panel, ((work, peer), by_machine) in zip(panels.flat, lines.items(), strict=False):
             panel.set_title(f"{work}\nbeside {peer}", fontsize=style.SMALL)
-            for device in devices:
-                points = [
-                    (date.fromisoformat(each["date"]), each["ratios"][work]["peers"][peer]["ratio"])
-                    for each in kept
-                    if machine_of(each) == device
-                    and peer in each["ratios"].get(work, {"peers": {}})["peers"]
-                ]
-                if points:
-                    panel.plot(*zip(*points, strict=True), "o-", label=device)
+            for machine, points in by_machine.items():
+                panel.plot(*zip(*points, strict=True), "o-", color=colours[machine])
+            panel.set_ylim(0.0, 1.2 * panel.dataLim.y1)
+            dates = AutoDateLocator(minticks=2, maxticks=4)
+            panel.xaxis.set_major_locator(dates)
+            panel.xaxis.set_major_formatter(ConciseDateFormatter(dates))
+        panels[0, 0].set_xlim(days[0] - MARGIN, days[-1] + MARGIN)
+        swatches = [style.swatch(colour, machine) for machine, colour in colours.items()]
+        figure.legend(handles=swatches, loc="outside upper right")
     style.save_figure(figure, path)
 
 

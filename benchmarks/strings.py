@@ -30,7 +30,7 @@ from ratios import least_times, record, time_at
 DURATION, OFFSET = 60.0, 0.5
 OWN_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 SCIPY_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-EQUAL_ERROR = 1e-7  # rad, as in ``sweep.py``
+EQUAL_ERROR = 1e-7  # rad
 REGULAR = 1e-6  # rad, of the final angle between runs at 1e-10 and 1e-11
 STRINGS = replace(CORD_TOY, suspension="string")
 L, R, E = CORD_TOY.length, CORD_TOY.radius, CORD_TOY.restitution
@@ -220,7 +220,7 @@ def main() -> None:
         ratio = peer[tolerance][0] / own[tolerance][0]
         print(f"SciPy's time over ours at tolerance {tolerance:g}: {ratio:.0f}")
     record(
-        f"a point of a map on strings, error {EQUAL_ERROR:.0e} rad",
+        "a point of a map on strings, error 1e-7 rad",
         "the toy on cords that go slack, for 60 s, one thread; the median error of final angles",
         time_at(EQUAL_ERROR, list(own.values())),
         {"SciPy": time_at(EQUAL_ERROR, list(peer.values()))},

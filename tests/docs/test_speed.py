@@ -20,19 +20,20 @@ def test_a_ratio_is_how_many_times_as_long_the_peer_takes(commits):
     ratios.record("a run", "with impacts", 0.002, {"heyoka": 0.001, "SciPy": 0.5})
     (measured,) = ratios.history()
     peers = {"heyoka": {"ms": 1.0, "ratio": 0.5}, "SciPy": {"ms": 500.0, "ratio": 250.0}}
-    assert measured["ratios"] == {"a run": {"meaning": "with impacts", "ms": 2.0, "peers": peers}}
+    about = {"meaning": "with impacts", "commit": "abc123", "ms": 2.0, "peers": peers}
+    assert measured["ratios"] == {"a run": about}
     assert "| a run | 2 ms | 1 ms (0.5) | 500 ms (250) |\n" in ratios.readme_table(measured)
 
 
-def test_a_second_benchmark_joins_the_file_and_another_commit_replaces_it(commits):
+def test_benchmarks_of_a_day_share_a_file_and_each_states_its_commit(commits):
     ratios.record("a run", "", 1.0, {"heyoka": 1.0})
     ratios.record("a map", "", 1.0, {"heyoka": 1.0})
-    assert list(ratios.history()[0]["ratios"]) == ["a run", "a map"]
     commits["status"] = " M src/latolato/numerics/prepare.py\n"
-    ratios.record("a map", "", 1.0, {"heyoka": 1.0})
+    ratios.record("a map", "", 1.0, {"heyoka": 2.0})
     (measured,) = ratios.history()
-    assert list(measured["ratios"]) == ["a map"]
-    assert measured["commit"] == "abc123 edited"
+    known = {work: about["commit"] for work, about in measured["ratios"].items()}
+    assert known == {"a run": "abc123", "a map": "abc123 edited"}
+    assert measured["ratios"]["a map"]["peers"]["heyoka"]["ratio"] == 2.0
 
 
 def test_readme_leaves_out_what_has_no_other_program_beside_it(commits):
