@@ -13,7 +13,7 @@ PYTHON := $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; 
 	done; echo python3)
 endif
 JOBS ?= 2
-# Those that record ratios. The other scripts in benchmarks/ check accuracy or need clips, a GPU or idle cores.
+# Those that record ratios. The other scripts in benchmarks/ check accuracy, or need clips or a GPU.
 BENCHMARKS ?= single_run sweep strings webassembly sensitivities analysis
 VENV := .venv
 BIN := $(VENV)/bin
@@ -125,10 +125,11 @@ pictures: $(STAMPS)/test $(STAMPS)/chromium kernels ## make the pictures of READ
 	$(BIN)/python .ci/pictures.py
 
 .PHONY: bench
-bench: $(STAMPS)/test kernels ## time latolato beside other codes, keep the ratios
+bench: $(STAMPS)/test kernels ## time latolato beside other codes, record ratios, write README's table
 	@for name in $(BENCHMARKS); do \
 		echo "== $$name"; $(BIN)/python benchmarks/$$name.py || exit 1; \
 	done
+	$(BIN)/python benchmarks/ratios.py
 
 .PHONY: dist
 dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/; licences of all packages into build/

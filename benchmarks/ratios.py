@@ -184,13 +184,13 @@ def page_table(measured: dict[str, Any]) -> str:
     programs = ", ".join(f"{name} {number}" for name, number in measured["versions"].items())
     lines = [
         f"{machine_of(measured)}, {measured['date']}, Python {measured['python']}, {programs}:\n\n",
-        "| work | latolato | beside | takes | ratio |\n|---|---|---|---|---|\n",
+        "| work | latolato | peer | takes | ratio | commit |\n|---|---|---|---|---|---|\n",
     ]
     for work, peer, compared in _each(measured):
         about = measured["ratios"][work]
         lines.append(
             f"| **{work}**: {about['meaning']} | {about['ms']:g} ms | {peer} "
-            f"| {compared['ms']:g} ms | {compared['ratio']:g} |\n"
+            f"| {compared['ms']:g} ms | {compared['ratio']:g} | {about['commit']} |\n"
         )
     return "".join(lines)
 

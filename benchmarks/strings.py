@@ -220,8 +220,8 @@ def main() -> None:
         ratio = peer[tolerance][0] / own[tolerance][0]
         print(f"SciPy's time over ours at tolerance {tolerance:g}: {ratio:.0f}")
     record(
-        "a point of a map on strings, error 1e-7 rad",
-        "the toy on cords that go slack, for 60 s, one thread; the median error of final angles",
+        "a point of a map on strings over 60 s, error 1e-7 rad",
+        "the toy on cords that go slack, one thread; the median error of final angles",
         time_at(EQUAL_ERROR, list(own.values())),
         {"SciPy": time_at(EQUAL_ERROR, list(peer.values()))},
     )

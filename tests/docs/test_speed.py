@@ -1,10 +1,13 @@
 """The history of the benchmarks: files keep ratios, and README's table is the newest file's."""
 
 import json
+from pathlib import Path
 
 import pytest
 
 import ratios
+
+ROOT = Path(__file__).resolve().parents[2]
 
 
 @pytest.fixture
@@ -14,6 +17,17 @@ def commits(monkeypatch, tmp_path):
     monkeypatch.setattr(ratios, "HISTORY", tmp_path)
     monkeypatch.setattr(ratios, "_git", lambda *words: said[words[0]])
     return said
+
+
+def test_readme_shows_the_newest_measurement():
+    (table,) = ratios.MARKED.findall((ROOT / "README.md").read_text("utf-8"))
+    assert table == ratios.readme_table(ratios.history()[-1])
+
+
+def test_every_measurement_is_of_a_commit_without_edits():
+    known = [about["commit"] for each in ratios.history() for about in each["ratios"].values()]
+    assert known
+    assert [commit for commit in known if "edited" in commit] == []
 
 
 def test_a_ratio_is_how_many_times_as_long_the_peer_takes(commits):
