@@ -329,13 +329,14 @@ def test_curves_with_a_unit_for_each_end_are_drawn_over_maps_from_tables():
     run("sweep", *PENDULUM, *axes, *start, "--output", "map.nc")
     drawn = run("plot", "map.nc", "--overlay", "a.csv", "--overlay", "tongue", "--output", "a.svg")
     assert drawn == "a.svg\n"
-    run("sweep", *PENDULUM[:-1], "0.1", *axes, *start, "--output", "other.csv")
+    run("sweep", *PENDULUM[:-1], "0.1", *axes, *start, "--output", "other.nc")
+    run("simulate", *PENDULUM, *start, "--output", "other.csv")
     for text, why in (
         ("a.csv", "is of another system"),
         ("other.csv", "'other.csv' holds no bifurcation curve"),
         ("none.csv", "there is no file 'none.csv'"),
     ):
-        target = "other.csv" if text == "a.csv" else "map.nc"
+        target = "other.nc" if text == "a.csv" else "map.nc"
         with pytest.raises((ValueError, OSError), match=why):
             run("plot", target, "--overlay", text)
 
