@@ -13,6 +13,8 @@ PYTHON := $(shell for p in python3 python3.14 python3.13 python3.12 python3.11; 
 	done; echo python3)
 endif
 JOBS ?= 2
+# Those that record ratios. The other scripts in benchmarks/ check accuracy, or need clips or a GPU.
+BENCHMARKS ?= single_run sweep strings webassembly sensitivities analysis
 VENV := .venv
 BIN := $(VENV)/bin
 STAMPS := $(VENV)/stamps
@@ -62,7 +64,7 @@ kernels: | $(STAMPS)/venv ## compile the numerical code, unless it is there
 	@$(BIN)/python .ci/kernels.py
 
 # One process a core: threads of the linear algebra would only get in each other's way.
-test test-all smoke docs wheel lowest: export OPENBLAS_NUM_THREADS := 1
+test test-all smoke bench docs wheel lowest: export OPENBLAS_NUM_THREADS := 1
 
 .PHONY: test
 test: $(STAMPS)/test $(STAMPS)/chromium kernels ## install with test extras, run the tests and the examples in docstrings
@@ -123,10 +125,11 @@ pictures: $(STAMPS)/test $(STAMPS)/chromium kernels ## make the pictures of READ
 	$(BIN)/python .ci/pictures.py
 
 .PHONY: bench
-bench: $(STAMPS)/test kernels ## print speeds beside SciPy and heyoka
-	@for script in benchmarks/*.py; do \
-		echo "== $$script"; $(BIN)/python "$$script" || exit 1; \
+bench: $(STAMPS)/test kernels ## time latolato beside other codes, record ratios, write README's table
+	@for name in $(BENCHMARKS); do \
+		echo "== $$name"; $(BIN)/python benchmarks/$$name.py || exit 1; \
 	done
+	$(BIN)/python benchmarks/ratios.py
 
 .PHONY: dist
 dist: $(STAMPS)/dev ## build the sdist, and the wheel from it, into dist/; licences of all packages into build/

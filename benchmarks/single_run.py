@@ -1,23 +1,19 @@
-"""One run beside its peers: latolato, SciPy and heyoka, in CPU time at measured errors.
+"""One run beside its peers: latolato, SciPy and heyoka, in CPU time at measured errors, in turns.
 
 Work: the toy of Fig. 4 with a push of 0.2 rad, A0 = 0.2 m, both walls, e = 1, for 300 s; its
 motion is chaotic, so errors are measured at 20 s and times over 300 s. Also the start-up costs of
-the package and of the command line. Needs heyoka and SciPy; prints a table and writes
-``single_run.json`` beside itself.
+the package and of the command line. Needs heyoka and SciPy; prints a table and records ratios.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import platform
 import statistics
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Callable
-from importlib.metadata import version
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -27,6 +23,7 @@ from scipy.integrate import solve_ivp
 
 import latolato as ll
 from latolato.numerics.integrate import Start, choose_step, integrate
+from ratios import least_times, record, time_at
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1)
 DRIVE = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
@@ -34,16 +31,6 @@ LOW, HIGH = TOY.contact_angle_low, TOY.contact_angle_high
 START = LOW + 0.2
 LONG, SHORT = 300.0, 20.0
 DENSE = 30_000
-
-
-def cpu(action: Callable[[], Any], repeats: int = 7) -> float:
-    """Return the least CPU time of several calls [s]."""
-    least = math.inf
-    for _ in range(repeats):
-        begin = time.process_time()
-        action()
-        least = min(least, time.process_time() - begin)
-    return least
 
 
 def own(duration: float, tolerance: float, times: np.ndarray) -> float:
@@ -136,51 +123,40 @@ def start_up() -> dict[str, float]:
 
 
 def main() -> None:
-    """Measure, print, save."""
+    """Measure, print, record."""
     end, dense = np.array([LONG]), np.linspace(0.0, LONG, DENSE)
     short = np.array([SHORT])
     exact = own(SHORT, 1e-13, short)
-    rows: list[dict[str, Any]] = []
-
-    def add(name: str, seconds: float, error: float) -> None:
-        rows.append({"what": name, "cpu_ms": 1e3 * seconds, "error_at_20_s": error})
-
+    # What is run, at which tolerance, the run of 300 s, and the angle at 20 s.
+    rows: list[tuple[str, float, Any, float]] = []
     for tolerance in (1e-6, 1e-8, 1e-10):
-        error = abs(own(SHORT, tolerance, short) - exact)
-        add(f"latolato {tolerance:g}", cpu(lambda tol=tolerance: own(LONG, tol, end)), error)
-        add(
-            f"latolato {tolerance:g}, {DENSE} samples",
-            cpu(lambda tol=tolerance: own(LONG, tol, dense)),
-            error,
-        )
-    for tolerance in (1e-8, 1e-9, 1e-11):
-        error = abs(scipy_run(SHORT, tolerance, short) - exact)
-        add(
-            f"SciPy DOP853 {tolerance:g}",
-            cpu(lambda tol=tolerance: scipy_run(LONG, tol, end), 2),
-            error,
-        )
+        angle = own(SHORT, tolerance, short)
+        rows += [
+            ("latolato", tolerance, partial(own, LONG, tolerance, end), angle),
+            (f"latolato, {DENSE} samples", tolerance, partial(own, LONG, tolerance, dense), angle),
+        ]
+    for tolerance in (1e-9, 1e-11, 1e-12):
+        angle = scipy_run(SHORT, tolerance, short)
+        rows.append(("SciPy", tolerance, partial(scipy_run, LONG, tolerance, end), angle))
     for tolerance in (1e-6, 1e-9, 1e-12):
         ta = make_heyoka(tolerance)
-        error = abs(heyoka_run(ta, SHORT) - exact)
-        add(
-            f"heyoka {tolerance:g}",
-            cpu(lambda integrator=ta: heyoka_run(integrator, LONG)),
-            error,
+        angle = heyoka_run(ta, SHORT)
+        rows.append(("heyoka", tolerance, partial(heyoka_run, ta, LONG), angle))
+    seconds = least_times(*(action for _, _, action, _ in rows))
+    runs: dict[str, list[tuple[float, float]]] = {}
+    for (name, tolerance, _, angle), least in zip(rows, seconds, strict=True):
+        error = abs(angle - exact)
+        runs.setdefault(name, []).append((least, error))
+        print(f"{name:24s} {tolerance:7.0e} {1e3 * least:9.2f} ms   error {error:.1e}")
+    for name, wall in start_up().items():
+        print(f"{name:34s} {wall:9.2f} s wall")
+    for error, peers in (("1e-7", ("heyoka", "SciPy")), ("1e-9", ("heyoka",))):
+        record(
+            f"one run, error {error} rad",
+            "the toy of Fig. 4 for 300 s, with impacts; the error is that of the angle at 20 s",
+            time_at(float(error), runs["latolato"]),
+            {name: time_at(float(error), runs[name]) for name in peers},
         )
-    for row in rows:
-        print(f"{row['what']:34s} {row['cpu_ms']:9.2f} ms   error {row['error_at_20_s']:.1e}")
-    wall = start_up()
-    for name, seconds in wall.items():
-        print(f"{name:34s} {seconds:9.2f} s wall")
-    machine = {
-        "processor": platform.processor() or platform.machine(),
-        "python": platform.python_version(),
-        **{name: version(name) for name in ("latolato", "numpy", "numba", "scipy", "heyoka")},
-    }
-    Path(__file__).with_name("single_run.json").write_text(
-        json.dumps({"machine": machine, "rows": rows, "start_up": wall}, indent=1)
-    )
 
 
 if __name__ == "__main__":

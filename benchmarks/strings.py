@@ -7,7 +7,7 @@ beside a program around SciPy's solve_ivp (DOP853) with terminal events for slac
 at some of the same points, each at several tolerances. One thread, without compilation; the error
 of both is the median of the final angle's, beside a run at 1e-10, at points whose motion is regular
 and moves. Compared are times at equal errors and at equal tolerances.
-Prints tables and writes ``strings.json`` beside itself.
+Prints tables and records the ratio at equal errors.
 
 ``python benchmarks/strings.py [--points N] [--sample N]``
 """
@@ -15,14 +15,9 @@ Prints tables and writes ``strings.json`` beside itself.
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import platform
-import time
-from collections.abc import Callable
 from dataclasses import replace
-from importlib.metadata import version
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -30,11 +25,12 @@ from scipy.integrate import solve_ivp
 
 import latolato as ll
 from latolato.paper.string_toys import CORD_PAIR, CORD_TOY
+from ratios import least_times, record, time_at
 
 DURATION, OFFSET = 60.0, 0.5
 OWN_TOLERANCES = (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8)
 SCIPY_TOLERANCES = (1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
-EQUAL_ERROR = 1e-7  # rad, as in ``sweep.py``
+EQUAL_ERROR = 1e-7  # rad
 REGULAR = 1e-6  # rad, of the final angle between runs at 1e-10 and 1e-11
 STRINGS = replace(CORD_TOY, suspension="string")
 L, R, E = CORD_TOY.length, CORD_TOY.radius, CORD_TOY.restitution
@@ -42,17 +38,6 @@ G, RATE = CORD_TOY.gravity, CORD_TOY.damping / (CORD_TOY.mass * CORD_TOY.length)
 LOW, HIGH = CORD_TOY.contact_angle_low, CORD_TOY.contact_angle_high
 # Events closer than this to the last one are the last one again [s].
 SAME = 1e-9
-
-
-def cpu(action: Callable[[], Any], repeats: int = 5) -> float:
-    """Return the least CPU time of several calls [s]; the first one may compile."""
-    action()
-    least = math.inf
-    for _ in range(repeats):
-        begin = time.process_time()
-        action()
-        least = min(least, time.process_time() - begin)
-    return least
 
 
 def single_runs() -> list[dict[str, Any]]:
@@ -69,8 +54,9 @@ def single_runs() -> list[dict[str, Any]]:
         def run(each: Any, start: Any = start) -> Any:
             return ll.simulate(each, drive, initial_angle=start, duration=300.0)
 
-        rods = cpu(lambda system=system, run=run: run(system))
-        strings = cpu(lambda system=system, run=run: run(replace(system, suspension="string")))
+        rods, strings = least_times(
+            partial(run, system), partial(run, replace(system, suspension="string"))
+        )
         rows.append(
             {"system": name, "rods_ms": 1e3 * rods, "strings_ms": 1e3 * strings,
              "ratio": strings / rods}
@@ -166,13 +152,6 @@ def _loose(s: np.ndarray) -> np.ndarray:
     return np.array([inside * sin, -inside * cos, L * s[1] * cos, L * s[1] * sin])
 
 
-def time_at(rows: list[dict[str, float]], error: float) -> float:
-    """Return the time a point at an error, between the logarithms of neighbours [ms]."""
-    rows = sorted(rows, key=lambda row: row["error"])
-    errors, times = (np.log([row[key] for row in rows]) for key in ("error", "ms"))
-    return float(np.exp(np.interp(math.log(error), errors, times)))
-
-
 def sweeps(points: int, sample: int) -> dict[str, Any]:
     """Return CPU times per point of the sweep and of SciPy, and their errors."""
     side = math.isqrt(points)
@@ -187,65 +166,64 @@ def sweeps(points: int, sample: int) -> dict[str, Any]:
 
     exact, finer = (run(tolerance).final_angle.values for tolerance in (1e-10, 1e-11))
     regular = (np.abs(finer - exact) < REGULAR) & (exact > LOW)
-    own = []
-    for tolerance in OWN_TOLERANCES:
-        seconds = cpu(lambda tolerance=tolerance: run(tolerance), 2) / side**2
-        error = float(np.median(np.abs(run(tolerance).final_angle.values - exact)[regular]))
-        own.append({"tolerance": tolerance, "ms": 1e3 * seconds, "error": error})
     chosen = np.random.default_rng(1).choice(side**2, sample, replace=False)
-    peer = []
+
+    def run_peer(tolerance: float) -> list[float]:
+        frequencies = 6.0 * share * CORD_TOY.natural_frequency
+        return [
+            Peer(share[i] * L, frequencies[j], tolerance).final_angle()
+            for i, j in zip(*np.divmod(chosen, side), strict=True)
+        ]
+
+    seconds = least_times(
+        *(partial(run, tolerance) for tolerance in OWN_TOLERANCES),
+        *(partial(run_peer, tolerance) for tolerance in SCIPY_TOLERANCES),
+        turns=2,
+    )
+    own, peer = [], []
+    for tolerance in OWN_TOLERANCES:
+        error = np.median(np.abs(run(tolerance).final_angle.values - exact)[regular])
+        own.append((seconds.pop(0) / side**2, float(error)))
     for tolerance in SCIPY_TOLERANCES:
-        angles, begin = [], time.process_time()
-        for i, j in zip(*np.divmod(chosen, side), strict=True):
-            frequency = 6.0 * share[j] * CORD_TOY.natural_frequency
-            angles.append(Peer(share[i] * L, frequency, tolerance).final_angle())
-        seconds = (time.process_time() - begin) / sample
-        errors = np.abs(angles - exact.ravel()[chosen])[regular.ravel()[chosen]]
-        peer.append(
-            {"tolerance": tolerance, "ms": 1e3 * seconds, "error": float(np.median(errors))}
-        )
-    equal = [(a, b) for a in own for b in peer if a["tolerance"] == b["tolerance"]]
+        errors = np.abs(run_peer(tolerance) - exact.ravel()[chosen])[regular.ravel()[chosen]]
+        peer.append((seconds.pop(0) / sample, float(np.median(errors))))
     return {
         "points": side**2,
-        "own": own,
-        "scipy": peer,
-        "ratio_at_equal_error": time_at(peer, EQUAL_ERROR) / time_at(own, EQUAL_ERROR),
-        "ratio_at_equal_tolerance": {a["tolerance"]: b["ms"] / a["ms"] for a, b in equal},
+        "own": dict(zip(OWN_TOLERANCES, own, strict=True)),
+        "SciPy": dict(zip(SCIPY_TOLERANCES, peer, strict=True)),
         "slack": float((run(1e-6).slack_fraction.values > 0.0).mean()),
         "regular": float(regular.mean()),
     }
 
 
 def main() -> None:
-    """Measure, print, save."""
+    """Measure, print, record."""
     parser = argparse.ArgumentParser()
     parser.add_argument("--points", type=int, default=324)
-    parser.add_argument("--sample", type=int, default=24)
+    parser.add_argument("--sample", type=int, default=12)
     options = parser.parse_args()
-    runs = single_runs()
-    for row in runs:
+    for row in single_runs():
         print(
             f"{row['system']:10} rods {row['rods_ms']:7.2f} ms, strings {row['strings_ms']:7.2f} "
             f"ms, ratio {row['ratio']:.2f}"
         )
     found = sweeps(options.points, options.sample)
+    own, peer = found["own"], found["SciPy"]
     print(
         f"sweep of {found['points']} points: {found['slack']:.0%} go slack, "
         f"{found['regular']:.0%} move regularly"
     )
-    for name in ("own", "scipy"):
-        for row in found[name]:
-            print(f"{name:6} {row['tolerance']:.0e}: {row['ms']:8.3f} ms, {row['error']:.1e} rad")
-    print(f"SciPy's time over ours at {EQUAL_ERROR:g} rad: {found['ratio_at_equal_error']:.0f}")
-    for tolerance, ratio in found["ratio_at_equal_tolerance"].items():
-        print(f"    and at tolerance {tolerance:g}: {ratio:.0f}")
-    machine = {
-        "processor": platform.processor() or platform.machine(),
-        "python": platform.python_version(),
-        **{name: version(name) for name in ("latolato", "numpy", "numba", "scipy")},
-    }
-    Path(__file__).with_name("strings.json").write_text(
-        json.dumps({"machine": machine, "runs": runs, "sweep": found}, indent=1)
+    for name, rows in (("own", own), ("SciPy", peer)):
+        for tolerance, (seconds, error) in rows.items():
+            print(f"{name:6} {tolerance:.0e}: {1e3 * seconds:8.3f} ms, {error:.1e} rad")
+    for tolerance in sorted(own.keys() & peer.keys()):
+        ratio = peer[tolerance][0] / own[tolerance][0]
+        print(f"SciPy's time over ours at tolerance {tolerance:g}: {ratio:.0f}")
+    record(
+        "a point of a map on strings over 60 s, error 1e-7 rad",
+        "the toy on cords that go slack, one thread; the median error of final angles",
+        time_at(EQUAL_ERROR, list(own.values())),
+        {"SciPy": time_at(EQUAL_ERROR, list(peer.values()))},
     )
 
 

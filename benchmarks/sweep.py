@@ -1,33 +1,32 @@
 """Sweeps beside their peers: latolato's lanes, heyoka's batches and SciPy, at measured errors.
 
-Work: a 64 x 64 grid, A0 in (0, 0.5] m, frequency ratio in (0, 5], l = 1 m, m = 0.8 kg, 300 s:
-(a) free from the contact angle at rest, (b) both walls, e = 1, from 0.2 rad above the contact
-angle, (c) as (b) with e = 0.9 and C = 0.02. One thread, CPU time per trajectory, compilation
-excluded. The error is the median of the final angle's over the points whose motion is regular: a
-tight run of latolato and, in (a) and (b), one of heyoka agree there to 1e-7.
+Work: a grid of 32 x 32 points, A0 in (0, 0.5] m, frequency ratio in (0, 5], l = 1 m, m = 0.8 kg,
+300 s: (a) free from the contact angle at rest, (b) both walls, e = 1, from 0.2 rad above the
+contact angle, (c) as (b) with e = 0.9 and C = 0.02. One thread, CPU time per trajectory,
+compilation excluded; latolato and heyoka take turns. The error is the median of the final angle's
+over the points whose motion is regular: a tight run of latolato and, in (a) and (b), one of heyoka
+agree there to 1e-7.
 
 heyoka runs at its best: batches of its recommended width with points of one frequency, fast_math,
 terminal events with a callback in (b). It cannot do (c), whose bounces come to rest. SciPy's DOP853
-runs at a few regular points. Prints tables and writes ``sweep.json`` beside itself.
+runs at a few regular points. Prints tables and records the ratios.
 
 With observables means mean_energy, crossings and final_angle, beside heyoka's end alone.
 
-``python benchmarks/sweep.py [--points N] [--sizes] [--scaling] [--map]``
+``python benchmarks/sweep.py [--points N] [--cases free,walls] [--lanes] [--sizes] [--scaling]
+[--map]``
 """
 
 from __future__ import annotations
 
 import argparse
-import json
 import math
-import platform
 import resource
 import statistics
 import subprocess
 import sys
 import time
-from importlib.metadata import version
-from pathlib import Path
+from functools import partial
 from typing import Any
 
 import heyoka as hy
@@ -44,12 +43,20 @@ from latolato.sweeps.batches import run_fastest, run_scalar
 from latolato.sweeps.chunk import run_chunk
 from latolato.sweeps.plan import Plan, make_plan
 from latolato.sweeps.points import stepper_of
+from ratios import record, time_at
 
 DURATION = 300.0
 RADIUS = 0.1
 LOW, HIGH = math.asin(RADIUS), math.pi - math.asin(RADIUS)
 GRAVITY = 9.8
 REGULAR = 1e-7
+TOLERANCES = {
+    "own": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9),
+    "observed": (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9),
+    "heyoka": (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10, 1e-12),
+    "SciPy": (1e-7, 1e-10),
+}
+TURNS = 3
 OBSERVED = ("mean_energy", "crossings", "final_angle")
 CASES: dict[str, dict[str, Any]] = {
     "free": {"damping": 0.0, "restitution": 1.0, "start": LOW, "walls": False},
@@ -190,16 +197,8 @@ def scipy_point(case: str, amplitude: float, ratio: float, tolerance: float) -> 
     return time.process_time() - begin, float(y[0])
 
 
-def cost_at(rows: list[dict[str, float]], error: float) -> float:
-    """Return the time at an error, by interpolation between logarithms of neighbours [s]."""
-    rows = sorted(rows, key=lambda r: r["error"])
-    errors = np.log([r["error"] for r in rows])
-    times = np.log([r["time"] for r in rows])
-    return float(np.exp(np.interp(math.log(error), errors, times)))
-
-
-def compare(case: str, points: int) -> dict[str, Any]:
-    """Return tables of one case: each peer's times and errors, and the ratios."""
+def compare(case: str, points: int) -> None:
+    """Print the times and errors of each code for one case, and record the ratios."""
     _, tight, _ = own(plan_of(case, points, 1e-13), repeats=1)
     reference = tight["final_angle"]
     peer = case != "damped"
@@ -209,58 +208,61 @@ def compare(case: str, points: int) -> dict[str, Any]:
         _, loose, _ = own(plan_of(case, points, 1e-12), repeats=1)
         other = loose["final_angle"]
     regular = abs(reference - other) < REGULAR
-    found: dict[str, Any] = {"regular_points": int(regular.sum()), "heyoka": []}
+    contacts = own(plan_of(case, points, 1e-9), repeats=1)[2] / points**2
+    print(f"\n({case}) {regular.sum()} regular points, {contacts:.0f} contacts each")
+
+    def run_own(plan: Plan) -> tuple[float, NDArray[np.float64]]:
+        seconds, values, _ = own(plan, repeats=1)
+        return seconds, values["final_angle"]
+
+    codes: dict[tuple[str, float], Any] = {}
     for name, asked in (("own", ("final_angle",)), ("observed", OBSERVED)):
-        found[name] = []
-        for tolerance in (1e-3, 1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9):
+        for tolerance in TOLERANCES[name]:
             plan = plan_of(case, points, tolerance, observables=asked)
-            seconds, values, contacts = own(plan)
-            error = float(np.median(abs(values["final_angle"] - reference)[regular]))
-            found[name].append({"tolerance": tolerance, "time": seconds, "error": error})
-            found["contacts"] = contacts / points**2
+            codes[name, tolerance] = partial(run_own, plan)
     if peer:
-        for tolerance in (1e-5, 1e-6, 1e-7, 1e-8, 1e-9, 1e-10):
+        for tolerance in TOLERANCES["heyoka"]:
             ta = heyoka_batch(case, tolerance)
-            heyoka_sweep(case, min(points, 8), tolerance, ta)
-            seconds, angles = heyoka_sweep(case, points, tolerance, ta)
-            error = float(np.median(abs(angles - reference)[regular]))
-            found["heyoka"].append({"tolerance": tolerance, "time": seconds, "error": error})
-        amplitudes, ratios = grid(points)
-        places = np.argwhere(regular)[:: max(1, int(regular.sum()) // 8)][:8]
-        found["scipy"] = []
-        for tolerance in (1e-7, 1e-10):
-            runs = [scipy_point(case, amplitudes[i], ratios[j], tolerance) for i, j in places]
-            errors = [abs(a - reference[i, j]) for (_, a), (i, j) in zip(runs, places, strict=True)]
-            found["scipy"].append(
-                {
-                    "tolerance": tolerance,
-                    "time": statistics.mean(s for s, _ in runs),
-                    "error": float(np.median(errors)),
-                }
-            )
-        found["ratios"] = {
-            f"{words}, beside {name} at {error:g}": (
-                cost_at(found[name], error) / cost_at(found[mine], error)
-            )
-            for mine, words in (("own", "the end"), ("observed", "observables"))
-            for name in ("heyoka", "scipy")
-            for error in (1e-6, 1e-9)
-        }
-    return found
+            codes["heyoka", tolerance] = partial(heyoka_sweep, case, points, tolerance, ta)
+    runs: dict[str, list[tuple[float, float]]] = {}
+    for (name, tolerance), turns in in_turns(codes).items():
+        seconds = min(seconds for seconds, _ in turns)
+        error = float(np.median(abs(turns[-1][1] - reference)[regular]))
+        runs.setdefault(name, []).append((seconds, error))
+        show(name, tolerance, seconds, error)
+    if not peer:
+        return
+    amplitudes, ratios = grid(points)
+    places = np.argwhere(regular)[:: max(1, int(regular.sum()) // 8)][:8]
+    for tolerance in TOLERANCES["SciPy"]:
+        alone = [scipy_point(case, amplitudes[i], ratios[j], tolerance) for i, j in places]
+        errors = [abs(a - reference[i, j]) for (_, a), (i, j) in zip(alone, places, strict=True)]
+        seconds, error = statistics.mean(s for s, _ in alone), float(np.median(errors))
+        runs.setdefault("SciPy", []).append((seconds, error))
+        show("SciPy", tolerance, seconds, error)
+    for text, peers in (("1e-6", ("heyoka", "SciPy")), ("1e-9", ("heyoka",))):
+        error = float(text)
+        record(
+            f"a point of a map, {case}, error {text} rad",
+            "300 s, one thread, in lanes; the median error of the final angles",
+            time_at(error, runs["own"]),
+            {name: time_at(error, runs[name]) for name in peers},
+        )
+        ratio = time_at(error, runs["heyoka"]) / time_at(error, runs["observed"])
+        print(f"  with observables at {text} rad: heyoka takes {ratio:.2g} times as long")
 
 
-def show(case: str, found: dict[str, Any]) -> None:
-    """Print the tables of one case."""
-    print(f"\n({case}) {found['regular_points']} regular points, ", end="")
-    print(f"{found['contacts']:.0f} contacts each")
-    for name in ("own", "observed", "heyoka", "scipy"):
-        for row in found.get(name, []):
-            print(
-                f"  {name:8} tolerance {row['tolerance']:7.0e}  {1e3 * row['time']:9.4f} ms  "
-                f"median error {row['error']:.1e}"
-            )
-    for name, ratio in found.get("ratios", {}).items():
-        print(f"  {name}: latolato is {ratio:.1f} times faster")
+def in_turns(codes: dict[tuple[str, float], Any]) -> dict[tuple[str, float], list[Any]]:
+    """Return what each code gives in each of `TURNS` turns."""
+    turns = [{key: run() for key, run in codes.items()} for _ in range(TURNS)]
+    return {key: [turn[key] for turn in turns] for key in codes}
+
+
+def show(name: str, tolerance: float, seconds: float, error: float) -> None:
+    """Print a row of a table."""
+    print(
+        f"  {name:8} tolerance {tolerance:7.0e}  {1e3 * seconds:9.4f} ms  median error {error:.1e}"
+    )
 
 
 def sizes() -> dict[str, float]:
@@ -365,29 +367,14 @@ print(seconds, float(peak) / 1e6)
 """
 
 
-def scaling(counts: tuple[int, ...], duration: float, store: bool) -> list[dict[str, float]]:
-    """Return CPU time per point and peak memory of sweeps of growing size, each in a process."""
-    found = []
+def scaling(counts: tuple[int, ...], duration: float, store: bool) -> None:
+    """Print CPU time per point and peak memory of sweeps of growing size, each in a process."""
     for count in counts:
-        words = [
-            sys.executable,
-            "-c",
-            _SCALE,
-            str(math.isqrt(count)),
-            "store" if store else "no",
-            str(duration),
-        ]
+        side = math.isqrt(count)
+        words = [sys.executable, "-c", _SCALE, str(side), "store" if store else "no", str(duration)]
         text = subprocess.run(words, check=True, capture_output=True, text=True).stdout
         seconds, memory = map(float, text.split())
-        found.append(
-            {
-                "points": math.isqrt(count) ** 2,
-                "microseconds per point": 1e6 * seconds / math.isqrt(count) ** 2,
-                "resident GB": memory,
-            }
-        )
-        print("  ", found[-1])
-    return found
+        print(f"  {side**2} points: {1e6 * seconds / side**2:.3g} us a point, {memory:.2f} GB")
 
 
 def big_map(points: int) -> dict[str, float]:
@@ -480,52 +467,41 @@ def composed(points: int) -> dict[str, float]:
     return found
 
 
+def lanes(points: int) -> None:
+    """Print what lanes gain, and what they cost beside other ways to run the same points."""
+    print("\nlanes beside single trajectories, tolerance 1e-6 [ms]:", composed(points))
+    print("composed beside written by hand, free:", against_hand(points))
+    print("sweeps of few points [ms]:", few())
+    here = shipped.this_processor()
+    print(f"lanes tuned for {shipped.tuned_for_lanes(here).name} beside {here.name}:",
+          own_tuning(points))  # fmt: skip
+    print("two threads:", threads(max(points, 80)))
+
+
 def main() -> None:
-    """Run what was asked for, print it and write it down."""
+    """Run what was asked for, print and record it."""
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--points", type=int, default=64, help="points along each axis")
+    parser.add_argument("--points", type=int, default=32, help="points along each axis")
+    parser.add_argument("--cases", default="free,walls,damped")
+    parser.add_argument("--lanes", action="store_true", help="also what lanes gain and cost")
     parser.add_argument("--sizes", action="store_true", help="also 32 x 32 and 400 x 400 points")
     parser.add_argument("--scaling", action="store_true", help="also cost and memory against size")
     parser.add_argument("--map", action="store_true", help="also a map of 400 x 400 points")
     options = parser.parse_args()
-    results: dict[str, Any] = {
-        "machine": platform.platform(),
-        "processor": platform.processor(),
-        "simd": hy.recommended_simd_size(),
-        "versions": {n: version(n) for n in ("latolato", "numba", "numpy", "heyoka", "scipy")},
-        "points": options.points,
-    }
-    for case in CASES:
-        results[case] = compare(case, options.points)
-        show(case, results[case])
-    results["one by one"] = composed(options.points)
-    print("\nlanes beside single trajectories, tolerance 1e-6 [ms]:", results["one by one"])
-    results["by hand"] = against_hand(options.points)
-    print("composed beside written by hand, free:", results["by hand"])
-    results["few"] = few()
-    print("sweeps of few points [ms]:", results["few"])
-    results["tuning"] = {
-        "processor": shipped.this_processor().name,
-        "lanes": shipped.tuned_for_lanes(shipped.this_processor()).name,
-        "gain": own_tuning(options.points),
-    }
-    print("lanes tuned beside not tuned:", results["tuning"])
-    results["threads"] = threads(max(options.points, 80))
-    print("two threads:", results["threads"])
+    for case in options.cases.split(","):
+        compare(case, options.points)
+    if options.lanes:
+        lanes(options.points)
     if options.sizes:
-        results["sizes"] = sizes()
-        print("microseconds per trajectory:", results["sizes"])
+        print("microseconds per trajectory:", sizes())
     if options.scaling:
         print("cost against size, 100 s with walls, in memory:")
-        results["scaling"] = scaling((1_000, 10_000, 100_000, 1_000_000), 100.0, False)
+        scaling((1_000, 10_000, 100_000, 1_000_000), 100.0, False)
         print("10 million short trajectories (1 s) into a store:")
-        results["store"] = scaling((10_000_000,), 1.0, True)
+        scaling((10_000_000,), 1.0, True)
     if options.map:
-        results["map"] = big_map(400)
-        print("400 x 400 with walls, 300 s:", results["map"])
-    path = Path(__file__).with_suffix(".json")
-    path.write_text(json.dumps(results, indent=1))
-    print(f"\nwritten to {path}; peak memory here {resource.getrusage(0).ru_maxrss / 1e6:.2f} GB")
+        print("400 x 400 with walls, 300 s:", big_map(400))
+    print(f"peak memory here {resource.getrusage(0).ru_maxrss / 1e6:.2f} GB")
 
 
 if __name__ == "__main__":

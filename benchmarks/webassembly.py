@@ -3,14 +3,12 @@
 Work: the toy of Fig. 4 with a push of 0.2 rad, A0 = 0.2 m, both walls, e = 1, for 300 s at
 tolerance 1e-10; and 24 x 24 points of a map without drag, 300 s each at tolerance 1e-6, with the
 final angle and with eight observables. Native code and Node.js take turns; each time is the least
-of all. Prints a table and writes ``webassembly.json`` beside itself.
+of all. Prints a table and records the ratios.
 """
 
 from __future__ import annotations
 
-import json
 import math
-import platform
 import sys
 import time
 from collections.abc import Callable
@@ -26,6 +24,7 @@ from latolato.sweeps.plan import make_plan
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests" / "shared"))
 from in_node import MODULES, Case, in_node, points_case, record_run
+from ratios import record
 
 TOY = ll.LatoLato(length=1.0, mass=0.8, damping=0.02, radius=0.1)
 DRIVE = ll.Harmonic(drive_amplitude=0.2, drive_frequency=6.26)
@@ -80,24 +79,25 @@ def measure(native: Callable[[], None], case: Case) -> tuple[float, float]:
 
 
 def main() -> None:
-    """Measure and print."""
+    """Measure, print, record."""
     elastic = ll.LatoLato(length=1.0, mass=0.8, radius=0.1)
     work = {
-        "one run": one_run(),
-        "map, final angle": points(elastic, ("final_angle",)),
-        "map, eight observables": points(elastic, SEVERAL),
-        "map with drag, eight observables": points(TOY, SEVERAL),
-    }
-    found = {}
-    for name, (native, case) in work.items():
+        "a run with samples": ("300 s with impacts, 30,000 samples", 1, one_run()),
+        "a point of a map": (
+            "300 s with impacts, in lanes", SIDE**2, points(elastic, ("final_angle",)),
+        ),
+        "a point, eight observables": (
+            "300 s with impacts, in lanes", SIDE**2, points(elastic, SEVERAL),
+        ),
+        "a point with drag": (
+            "300 s with impacts, in lanes, eight observables", SIDE**2, points(TOY, SEVERAL),
+        ),
+    }  # fmt: skip
+    for name, (meaning, count, (native, case)) in work.items():
         here, there = measure(native, case)
-        found[name] = {"native_s": here, "node_s": there, "ratio": there / here}
-        print(f"{name:34} native {1e3 * here:8.2f} ms, Node.js {1e3 * there:8.2f} ms, "
-              f"ratio {there / here:.2f}")  # fmt: skip
+        record(name, meaning, here / count, {"WebAssembly in Node.js": there / count})
     sizes = {path.stem: path.stat().st_size for path in sorted(MODULES.glob("*.wasm"))}
     print("sizes in bytes:", sizes)
-    about = {"machine": platform.machine(), "work": found, "sizes": sizes}
-    Path(__file__).with_suffix(".json").write_text(json.dumps(about, indent=1))
 
 
 if __name__ == "__main__":

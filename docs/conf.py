@@ -25,7 +25,10 @@ import latolato
 from latolato.core.registry import types_of
 
 sys.path.insert(0, str(Path(__file__).parent))
+sys.path.append(str(Path(__file__).parents[1] / "benchmarks"))
 from layers import drawing
+
+import ratios
 
 HERE = Path(__file__).parent
 GENERATED = HERE / "_generated"
@@ -388,12 +391,14 @@ def write_generated() -> None:
         "experiment": experiment_names(),
         "misses": misses(),
         "cli": command_line(),
+        "speed": ratios.page_table(ratios.history()[-1]),
     }
     check_reference(written["api"] + written["analysis"] + written["experiment"])
     GENERATED.mkdir(exist_ok=True)
     for name, text in written.items():
         (GENERATED / f"{name}.md").write_text(text, encoding="utf-8")
     (GENERATED / "layers.svg").write_text(drawing(), encoding="utf-8")
+    ratios.draw(GENERATED / "speed.svg")
 
 
 write_generated()

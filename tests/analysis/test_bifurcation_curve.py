@@ -438,7 +438,7 @@ def test_a_point_that_no_curve_follows_is_refused():
 
 
 def test_no_bifurcation_near_a_start_is_said():
-    with pytest.warns(RuntimeWarning, match="no fold of a motion of 1 drive periods was found"):
+    with pytest.warns(RuntimeWarning, match="no fold of a motion of one drive period was found"):
         curve = bifurcation_curve(
             TOY, shake(2.2, 0.03, TOY), kind="fold", low=(0.0, 0.5), high=(0.1, 6.0),
             initial_angle=0.3177, initial_angular_velocity=5.398,

@@ -2,7 +2,7 @@
 import { readFileSync } from "node:fs";
 
 import { InputError, learnRules } from "../../src/latolato/app/static/js/model/rules.js";
-import { parseCurves, placedCurve } from "../../src/latolato/app/static/js/map/curves.js";
+import { curveText, parseCurves, placedCurve } from "../../src/latolato/app/static/js/map/curves.js";
 import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
 import { tongueEdges } from "../../src/latolato/app/static/js/model/tongue.js";
@@ -18,6 +18,10 @@ const DO = {
   tongue: ({ grid }) => tongue(new Placing(grid)),
   lift_off: ({ grid }) => liftOff(new Placing(grid)),
   curves: ({ text, grid }) => parseCurves(text).map((curve) => placedCurve(registry, curve, grid)),
+  curve_texts: ({ text, grid }) => parseCurves(text).map((each) => {
+    const curve = placedCurve(registry, each, grid);
+    return curve.xs.map((_, i) => curveText(registry, { curve: { ...curve, name: "curve" }, i }));
+  }),
   trials: ({ text, grid }) => placedTrials(parseTrials(registry, text), new Placing(grid)),
 };
 

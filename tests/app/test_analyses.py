@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from app_server import frames_of
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
-from latolato.app.analyse.answer import compute, numbers_of, to_csv
+from latolato.app.analyse.answer import compute, numbers_of
 from latolato.app.analyse.forms import about_request, forms, label_of
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.analyse.routes import prepare
@@ -22,6 +22,7 @@ from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
+from latolato.io.analysis_tables import to_csv
 from latolato.io.files import load
 from latolato.scenario.analysis_options import options_of
 

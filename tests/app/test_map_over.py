@@ -20,11 +20,12 @@ from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
 from latolato.app import CURVES
 from latolato.app.forms import registry
-from latolato.app.map.curves import SHIPPED, read_curves
+from latolato.app.map.curves import SHIPPED
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, write_trials
 from latolato.figures import overlays
 from latolato.figures.overlays import AMPLITUDES, FREQUENCIES, Context
+from latolato.io.analysis_tables import read_curves
 from trial_texts import parse_trials
 
 
@@ -114,6 +115,8 @@ MAPS = [
     ("damping", "drive_amplitude", ONE, True),
     ("frequency_ratio", "drive_amplitude", without(ONE, "length"), True),
     ("frequency_ratio", "drive_amplitude", without(TWO, "right_mass"), True),
+    ("frequency_ratio", "drive_amplitude", ONE | {"drag_frame": "lab"}, True),
+    ("frequency_ratio", "drive_amplitude", ONE | {"drag_frame": "lab", "damping": 0.0}, True),
 ]  # fmt: skip
 
 
@@ -123,7 +126,9 @@ def grid_of(x, y, parameters, has_contact):
     return {
         "xAxis": {"name": x}, "yAxis": {"name": y}, "xEdges": spans[0], "yEdges": spans[1],
         "width": 1, "height": 1,
-        "about": {"parameters": parameters, "has_contact": bool(has_contact)},
+        "about": {
+            "parameters": parameters, "laws": parameters, "has_contact": bool(has_contact),
+        },
     }  # fmt: skip
 
 
@@ -166,7 +171,7 @@ def test_curves_lie_where_python_draws_them_or_are_refused_alike(name, monkeypat
             count = both.shape[1]
             beside = np.abs(np.arange(count) - 0.5 * (count - 1)) > 1.0
             np.testing.assert_allclose(*both[:, beside], rtol=1e-10)
-    assert refused == 5
+    assert refused == 6
 
 
 TABLES = [
@@ -290,6 +295,23 @@ def test_shipped_curves_lie_over_the_map_of_their_scenario(name):
     for drawn, curve in zip(found, read_curves(text), strict=True):
         x, y = overlays.places_of(made, ("frequency_ratio", "drive_amplitude"), curve)
         np.testing.assert_array_equal([drawn["xs"], drawn["ys"]], [x, y])
+
+
+def test_a_point_of_an_edge_says_whether_it_is_soft_or_steep():
+    axes = {"drive_amplitude": [0.01, 0.02], "frequency_ratio": [2.0, 3.0]}
+    system = ll.load_scenario("fig09").system
+    made = ll.sweep(system, axes=axes, initial_angle=0.3, duration=0.1)
+    laws = {key: value for key, value in made.attrs.items() if isinstance(value, (str, int, float))}
+    grid = grid_of("frequency_ratio", "drive_amplitude", laws, False)
+    text = (CURVES / "fig09.csv").read_text(encoding="utf-8")
+    # Kinds of curves without it, and files of older versions, have no such column.
+    older = text.replace("is_supercritical", "something_else")
+    (left, right), (plain, _) = over_in_node(
+        {"name": "curve_texts", "text": each, "grid": grid} for each in (text, older)
+    )
+    assert all("steep edge: the motion jumps" in each for each in left)
+    assert all("soft edge: the new motion begins small" in each for each in right)
+    assert not any(" edge" in each for each in plain)
 
 
 # Two balls, of which each has a start, and special points on the way.

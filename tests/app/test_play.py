@@ -52,6 +52,40 @@ def test_a_slider_changes_the_curve_and_the_address(page):
     page.wait_for_function("() => location.search.includes('drive_amplitude')")
 
 
+def test_a_run_has_few_samples_while_a_slider_moves_and_all_when_it_is_let_go(page):
+    open_play(page, "&scenario=fig04b_push&duration=300%20s&samples=30000")
+    samples = """() => {
+      const { player: { motion: { time, contacts }, curves: { span: [from, to] } } } =
+        window.latolato.views.toy;
+      return [time.length, time.filter((each) => each >= from && each <= to).length, time.at(-1),
+        contacts.length];
+    }"""
+    runs = "n => Number(document.querySelector('[data-runs]').dataset.runs) >= n"
+    whole = page.evaluate(samples)
+    assert whole[0] == 30_000
+    slider = page.get_by_label("How far the hand moves, slider").bounding_box()
+    middle = slider["y"] + slider["height"] / 2
+    page.mouse.move(slider["x"] + 0.3 * slider["width"], middle)
+    page.mouse.down()
+    page.wait_for_function(runs, arg=2)
+    count, on_show, end, _ = page.evaluate(samples)
+    assert count < 6000
+    # Every second one: there are still some fifty in a swing.
+    assert on_show >= whole[1] // 2
+    assert end == whole[2]
+    page.mouse.up()
+    page.wait_for_function(runs, arg=3)
+    let_go = page.evaluate(samples)
+    assert let_go[:3] == whole[:3]
+    # Contacts do not depend on the samples.
+    page.evaluate("""() => window.latolato.views.toy.root.querySelector(".knob input[type=range]")
+      .dispatchEvent(new Event("input", { bubbles: true }))""")
+    page.wait_for_function(runs, arg=4)
+    few = page.evaluate(samples)
+    assert few[0] < 6000
+    assert few[3] == let_go[3] > 100
+
+
 def test_numbers_that_would_lag_behind_the_picture_are_not_shown(page):
     page.goto("/?view=toy&scenario=toy")
     page.wait_for_selector("[data-runs]", timeout=PATIENCE)

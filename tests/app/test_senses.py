@@ -257,7 +257,7 @@ def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
     open_view(page, view, TOY)
     sound = page.locator(".stage-tools").get_by_label("Sound", exact=True)
     sound.check()
-    assert page.evaluate("() => window.latolato.views.toy.player.accessibility.sound.clacks")
+    page.wait_for_function("() => window.latolato.views.toy.player.accessibility.sound?.clacks")
     for name in ("Hear the angle", "Describe"):
         assert not page.get_by_label(name).is_visible()
     # A reader hears what is said all the same, and who turned that on sees it.

@@ -3,6 +3,7 @@
 import inspect
 import json
 import math
+import re
 import subprocess
 import sys
 import warnings
@@ -25,6 +26,7 @@ from latolato.cli.analyse import run as run_question
 from latolato.cli.main import app, main
 from latolato.core.parameters import UnitOf, parameter_texts
 from latolato.core.quantities import Quantity
+from latolato.io.analysis_tables import load_curves
 from latolato.io.progress import working
 from latolato.scenario.analysis_options import LAWS, options_of, read_value, summary_of
 
@@ -32,6 +34,10 @@ PENDULUM = ["--system", "pendulum", "--length", "1 m", "--mass", "800 g", "--dam
 SHAKE = ["--drive-amplitude", "5 cm", "--drive-frequency", "6"]
 SYSTEM = ll.Pendulum(length=1.0, mass=0.8, damping=0.05)
 DRIVE = ll.Harmonic(drive_amplitude=0.05, drive_frequency=6.0)
+
+
+CURVE = ["bifurcation_curve", *PENDULUM, "--drive-amplitude", "5 cm", "--frequency-ratio", "1.91",
+         "--kind", "period_doubling", "--points", "3"]  # fmt: skip
 
 
 @pytest.fixture(autouse=True)
@@ -270,7 +276,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["tongue_edges", "fig03a", "--order", "one"], "Invalid value for '--order'"),
         (["tongue_edges", "fig03a", "--samples", "5"], "No such option: --samples"),
         (["tongue_edges", "fig03a", "--order", "1", "--order", "2"], "must be given once"),
-        (["tongue_edges", "fig03a", "--output", "a.csv"], "the result of an analysis must end in"),
+        (["tongue_edges", "fig03a", "--output", "a.txt"], "the result of an analysis must end in"),
         (["tongue_edges", "fig03a", "--output", "no/a.nc"], "the folder 'no' does not exist"),
         (["tongue_edges", "fig03a", "--plot", "a.txt"], "the name of a picture must end in"),
         (["pair_symmetry", "fig04a", "--drive-amplitude", "0 : 1"], "must be low : high : count"),
@@ -280,6 +286,14 @@ def test_left_out_laws_are_told_in_one_line(capsys):
             ["continue_orbit", "fig03a", "--low", "1", "--high", "3", "--parameter", "lenght"],
             "unknown parameter 'lenght': did you mean 'length'?",
         ),
+        ([*CURVE, "--low", "0", "1.8"], "need commas between them: write --low 0,1.8"),
+        ([*CURVE, "--low", "0 1.8", "--high", "1,2"], "put commas between the values"),
+        ([*CURVE, "--low", "0,1.8"], "bifurcation_curve needs high: give --high 0,1"),
+        (
+            [*CURVE, "--low", "0 kg,1.8", "--high", "1,2"],
+            "low (drive_amplitude) must be given in m",
+        ),
+        ([*CURVE, "--low", "1,2,3", "--high", "1,2"], "low must be a value for each of both"),
     ],
 )
 def test_bad_input_is_refused_in_one_line_and_writes_nothing(capsys, arguments, message):
@@ -303,6 +317,28 @@ def test_files_and_pictures_are_written_and_drawn_again():
     # The parts of complex numbers are plain variables for other programs.
     plain = xr.load_dataset("a.nc", engine="h5netcdf")
     assert np.array_equal(plain.multipliers_real, wanted.multipliers.values.real)
+
+
+def test_curves_with_a_unit_for_each_end_are_drawn_over_maps_from_tables():
+    run("analyse", *CURVE, "--low", "0 mm,1.8", "--high", "10 cm,2.2", "--output", "a.csv")
+    (curve,) = load_curves(Path("a.csv"))
+    assert (curve.sizes["point"], curve.attrs["bifurcation"]) == (3, "period_doubling")
+    assert re.findall(r"[\d.]*\d", curve.attrs["high"]) == ["0.1", "2.2"]
+    axes = ["--axis", "drive_amplitude = 0, 0.1", "--axis", "frequency_ratio = 1.8, 2"]
+    start = ["--initial-angle", "0.1", "--duration", "1"]
+    run("sweep", *PENDULUM, *axes, *start, "--output", "map.nc")
+    drawn = run("plot", "map.nc", "--overlay", "a.csv", "--overlay", "tongue", "--output", "a.svg")
+    assert drawn == "a.svg\n"
+    run("sweep", *PENDULUM[:-1], "0.1", *axes, *start, "--output", "other.nc")
+    run("simulate", *PENDULUM, *start, "--output", "other.csv")
+    for text, why in (
+        ("a.csv", "is of another system"),
+        ("other.csv", "'other.csv' holds no bifurcation curve"),
+        ("none.csv", "there is no file 'none.csv'"),
+    ):
+        target = "other.nc" if text == "a.csv" else "map.nc"
+        with pytest.raises((ValueError, OSError), match=why):
+            run("plot", target, "--overlay", text)
 
 
 def test_only_runs_are_animated_and_single_numbers_have_no_axes(capsys):

@@ -289,5 +289,5 @@ def test_overlays_over_drag_relative_to_the_room_are_refused():
     room = ll.Pendulum(length=0.5, mass=0.8, damping=0.05, drag_frame="lab")
     grid = sweep(room)
     assert "air at rest in the room" in ll.plot(grid).axes[0].get_title(loc="left")
-    with pytest.raises(ValueError, match="overlays are computed for drag relative to the pivot"):
+    with pytest.raises(ValueError, match="drag_frame must be 'pivot' here: overlays"):
         ll.plot(grid, overlays=["tongue"])

@@ -203,10 +203,11 @@ def bifurcation_curve(
         status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
         words = kind.replace("_", " ")
+        shakes = "one drive period" if period == 1 else f"{period} drive periods"
         pairs = zip(plane.names, plane.values, strict=True)
         where = ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
         warn(
-            f"no {words} of a motion of {period} drive periods was found near {where}; begin at a "
+            f"no {words} of a motion of {shakes} was found near {where}; begin at a "
             "special point of continue_orbit"
             if status == "not found"
             else f"two bifurcations fall on one point near {where}, or it is no {words}"

@@ -222,7 +222,8 @@ class Curve:
         """Return the point between two neighbours at which a motion gains a symmetry, or None.
 
         It is then the one from which the curve's motions split, and behind it are their images: how
-        far a motion is from such an image passes through zero.
+        far a motion is from such an image passes through zero. It may turn round without doing so,
+        where an impact falls on the instant at which they are compared.
         """
         reach = float(old.tangent @ (new.unknowns - old.unknowns))
         before = self.condition.images(old.solution)
@@ -234,6 +235,12 @@ class Curve:
             def value(point: CurvePoint, i: int = i, here: Floats = here) -> float:
                 return float(self.condition.images(point.solution)[i] @ here)
 
+            change = there - here
+            between = self.correct(old, -reach * float(here @ change) / float(change @ change))
+            if between is not None:
+                gap = self.condition.images(between.solution)[i]
+                if np.linalg.norm(gap) > 0.5 * max(np.linalg.norm(here), np.linalg.norm(there)):
+                    continue
             point = self._zero(value, old, new, reach)
             if np.linalg.norm(self.condition.images(point.solution)[i]) < _MERGED:
                 return point

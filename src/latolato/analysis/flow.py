@@ -16,7 +16,7 @@ from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
 from latolato.core.rules import broken_rule
-from latolato.numerics.integrate import Start, Trajectory, choose_step, integrate
+from latolato.numerics.integrate import Start, Trajectory, integrate
 from latolato.observables import LargestAngle, Observable
 from latolato.observables.base import STATE_SIZE
 from latolato.observables.perturbations import FundamentalMatrix
@@ -152,8 +152,6 @@ class Flow:
         """
         numbers = np.asarray(start, dtype=np.float64)
         angles, velocities = numbers[0::2], numbers[1::2]
-        fast = max(self.speed, *(abs(v) for v in velocities))
-        bound = Start(tuple(angles), (fast,) * len(angles))
         system: Any = self.system
         if self.is_string and not self.through_slack:
             system = replace(system, suspension="rod", string_restitution=0.0)
@@ -163,9 +161,8 @@ class Flow:
             Start(tuple(angles), tuple(velocities)),
             np.zeros(0),
             duration,
-            step=choose_step(
-                system, self.drive, bound, self.tolerance, self.contact, compiled=self.compiled
-            ),
+            tolerance=self.tolerance,
+            speed=self.speed,
             rest_speed=self.rest_speed,
             contact_limit=_MOST_CONTACTS,
             law=self.contact,

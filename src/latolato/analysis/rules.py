@@ -129,7 +129,9 @@ RULES = {
     ),
     "two_parameters": Rule("must be two parameters that do not set the same thing"),
     "end_of_each": Rule("must be a value for each of both parameters"),
-    "touching_balls": Rule("needs balls that can touch", "use LatoLato"),
+    "touching_balls": Rule(
+        "needs balls that can touch", "use LatoLato or BallPair, with exact contact"
+    ),
     "needs_strings": Rule("needs strings", "give suspension='string'"),
     "needs_mirror": Rule(
         "needs a motion that equals its image in a mirror, and this one has none",

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 ENTRY = "js/notebook.js"
 # The module that finds files, in whose place the program has one that holds them.
 CONTENT = "js/kernels/content.js"
-SHEETS = ("vendor/uPlot.css", "app.css", "toy.css", "stage.css", "senses.css", "inset.css")
+SHEETS = ("vendor/uPlot.css", "app.css", "toy.css", "inset.css")
 PICTURE_DPI = 100
 # What the player draws.
 _COLUMNS = (

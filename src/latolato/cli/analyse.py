@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from inspect import signature
 from typing import Any
 
-from latolato.cli.options import JsonOption, OutputOption, PlotOption, ScenarioArgument
+from latolato.cli.options import JsonOption, PlotOption, ScenarioArgument, TablesOption
 from latolato.cli.output import Targets, elapsed_since, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
 from latolato.core.errors import InputError
@@ -35,7 +35,7 @@ class AnalysisGroup(RegistryGroup):
 
         def analyse(
             scenario: ScenarioArgument = None,
-            output: OutputOption = None,
+            output: TablesOption = None,
             plot: PlotOption = None,
             as_json: JsonOption = False,
             **values: Any,
@@ -64,7 +64,7 @@ def run(
     from latolato.analysis.summary import as_lines, summarise
 
     begun = time.perf_counter()
-    targets.check("the result of an analysis")
+    targets.check("the result of an analysis", (".nc", ".csv"))
     if targets.plot is not None:
         from latolato.figures.plot import module_of
 

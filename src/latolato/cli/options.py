@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import inspect
+import re
 from collections.abc import Callable, Container, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -25,6 +26,10 @@ UsageError: Any = typer.BadParameter.__mro__[1]
 ScenarioArgument = Annotated[str | None, typer.Argument(help="A scenario's name or TOML file.")]
 OutputOption = Annotated[
     Path | None, typer.Option(help="Result file: .nc.", rich_help_panel="Output")
+]
+# An analysis also fits tables, which other programs and the Map page read.
+TablesOption = Annotated[
+    Path | None, typer.Option(help="Result file: .nc or .csv.", rich_help_panel="Output")
 ]
 PlotOption = Annotated[
     Path | None, typer.Option(help="Picture: .png, .svg or .pdf.", rich_help_panel="Output")
@@ -51,15 +56,27 @@ BallOption = Annotated[
     ),
 ]
 Command = Callable[..., Any]
+# What the help calls values with commas between them.
+SEVERAL = "VALUES"
 # Options that choose the samples of a single run.
 SAMPLE_OPTIONS = ("times", "samples", "frame")
 
 
-class EachOptionOnce(TyperCommand):
-    """A command that refuses an option given twice, where typer would take the last."""
+class StrictCommand(TyperCommand):
+    """A command that refuses what typer would misread.
+
+    Typer takes the last of an option that is given twice, and of values with spaces between them
+    only the first.
+    """
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
         """Return the arguments that are left when the options are read."""
+        lists = {flag for p in self.params if p.metavar == SEVERAL for flag in p.opts}
+        for flag, *values in zip(args, args[1:], args[2:], strict=False):
+            if flag in lists and all(map(_begins_with_number, values)):
+                raise UsageError(
+                    f"values of {flag} need commas between them: write {flag} {','.join(values)}"
+                )
         *_, parameters = self.make_parser(ctx).parse_args(list(args))
         for parameter in parameters:
             count = parameters.count(parameter)
@@ -69,6 +86,10 @@ class EachOptionOnce(TyperCommand):
         return super().parse_args(ctx, args)
 
 
+def _begins_with_number(text: str) -> bool:
+    return re.match(r"[-+]?\.?\d", text) is not None
+
+
 def command_from(
     run: Command, name: str, text: str, *, panel: str | None = None, hidden: bool = False
 ) -> Any:
@@ -76,7 +97,7 @@ def command_from(
     app = typer.Typer(add_completion=False)
     # Typer keeps the ends of a docstring's lines; the terminal's width shall decide.
     text = "\n\n".join(" ".join(part.split()) for part in text.split("\n\n"))
-    app.command(name, cls=EachOptionOnce, help=text, rich_help_panel=panel, hidden=hidden)(run)
+    app.command(name, cls=StrictCommand, help=text, rich_help_panel=panel, hidden=hidden)(run)
     return typer.main.get_command(app)
 
 
@@ -219,7 +240,7 @@ def option_of(parameter: Parameter, panel: str | None = None, note: str = "") ->
         f"{flag}/--no-{flag[2:]}" if typed is bool else flag,
         help=parameter.help + (f", in {unit}" if unit not in ("", "1") else "") + note,
         rich_help_panel=parameter.owner.title() or panel,
-        metavar=None if typed is bool else "VALUES" if parameter.several else "VALUE",
+        metavar=None if typed is bool else SEVERAL if parameter.several else "VALUE",
     )
     return inspect.Parameter(
         parameter.name,

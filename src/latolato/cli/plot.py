@@ -43,7 +43,8 @@ def plot(
     overlay: Annotated[
         list[str] | None,
         typer.Option(
-            help="Curve drawn over the map: tongue, lift_off, or a file of bifurcation_curve.",
+            help="Curve drawn over the map: tongue, lift_off, or a .nc or .csv file of "
+            "bifurcation_curve.",
             rich_help_panel="Maps",
         ),
     ] = None,
@@ -71,7 +72,7 @@ def plot(
         "log": log,
         "curves": curves,
         "select": selection_of(select or [], dataset),
-        "overlays": [load(Path(each)) if each.endswith(".nc") else each for each in overlay or []],
+        "overlays": [each for text in overlay or [] for each in overlays_of(text)],
         "points": points,
     }
     kind = pictures.kind_of(dataset)
@@ -88,6 +89,17 @@ def plot(
         raise InputError(f"'{file}' holds a run: {', '.join(unfit)} only fits a map")
     for path in targets.draw(dataset) + animation.write(dataset):
         print(path)
+
+
+def overlays_of(text: str) -> list[xr.Dataset | str]:
+    """Return the curves in a file of `bifurcation_curve`, or the name of a theory curve."""
+    from latolato.io.analysis_tables import load_curves
+    from latolato.io.files import load
+
+    path = Path(text)
+    if path.suffix.lower() == ".nc":
+        return [load(path)]
+    return [*load_curves(path)] if path.suffix.lower() == ".csv" else [text]
 
 
 def selection_of(texts: Sequence[str], dataset: xr.Dataset) -> dict[str, Any]:

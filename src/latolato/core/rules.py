@@ -174,6 +174,11 @@ RULES = {
     "overlay_axes": Rule(
         "overlays and points need a map of amplitude ({amplitudes}) and frequency ({frequencies})"
     ),
+    "overlay_drag": Rule(
+        "must be 'pivot' here: overlays are computed for drag relative to the pivot, and that of "
+        "this map is relative to the room",
+        "leave them out",
+    ),
     "overlay_parameter": Rule("this map does not say its {parameter}, which overlays need"),
     "other_system": Rule(
         "this curve is of another system than the map: its {name} is {there}, that of the map "

@@ -67,12 +67,7 @@ class Context:
             raise broken_rule("overlay_axes", names, value=[y, x])
         side = "right_" if "right_length" in {*grid.attrs, *grid.coords} else ""
         if grid.attrs.get("drag_frame") == "lab" and _number(grid, side + "damping") > 0.0:
-            raise InputError(
-                "overlays are computed for drag relative to the pivot, and that of this map is "
-                "relative to the room",
-                value="drag_frame lab",
-                way_out="leave them out",
-            )
+            raise broken_rule("overlay_drag", parameter="drag_frame", value="lab")
         drags = [_number(grid, side + n) for n in ("quadratic_damping", "coulomb_damping")]
         return cls(
             x=x,

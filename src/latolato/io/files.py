@@ -61,10 +61,11 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     one row per instant. The variables of a `BallPair` are columns ``angle_right`` and
     ``angle_left``. The columns of a CSV have the units of pages and pictures: a column that is
     not in the unit of the dataset has its unit in its name, ``angle [deg]``, and `load` returns
-    the same numbers. The contacts of a run, if any were possible, go to a second file
-    ``<stem>.contacts.csv``, which is put in place first and removed when a run without them takes
-    the place of one with them. An interrupted or failed call leaves no file; what a killed one left
-    for the same path is removed by the next.
+    the same numbers. The CSV of an analysis without time holds a table for each shape, in SI
+    units, for other programs; `load` does not read it. The contacts of a run, if any were
+    possible, go to a second file ``<stem>.contacts.csv``, which is put in place first and
+    removed when a run without them takes the place of one with them. An interrupted or failed
+    call leaves no file; what a killed one left for the same path is removed by the next.
 
     Parameters
     ----------
@@ -76,8 +77,7 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     Raises
     ------
     InputError
-        If `dataset` is no dataset, for an unknown suffix, and for a dataset without time for CSV
-        and Parquet.
+        If `dataset` is no dataset, for an unknown suffix, and for a dataset that fits no table.
         For Parquet, if the extra `parquet` is missing.
     OSError
         If the file cannot be written.
@@ -111,6 +111,12 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
 
         with atomic_path(path) as first:
             write(as_table(dataset), "point", first)
+        return path
+    if suffix == ".csv" and "analysis" in dataset.attrs and "time" not in dataset.dims:
+        from latolato.io.analysis_tables import to_csv
+
+        with atomic_path(path) as unfinished:
+            unfinished.write_text(to_csv(dataset), encoding="utf-8")
         return path
     if "time" not in dataset.dims:
         raise InputError(

@@ -375,7 +375,9 @@ def integrate(
     sample_times: Floats,
     duration: float,
     *,
-    step: float,
+    step: float = 0.0,
+    tolerance: float = 0.0,
+    speed: float = 0.0,
     rest_speed: float = 0.0,
     contact_limit: int = 1_000_000,
     kick_times: Floats | None = None,
@@ -390,6 +392,9 @@ def integrate(
 
     Parameters
     ----------
+    step, tolerance, speed : float
+        The length of steps [s]; zero: the one of `choose_step` for `tolerance`, for all starts of
+        up to this angular velocity [rad/s].
     kick_times, kick_sizes : ndarray, shapes (kick,), (angle, kick)
         Instants [s] and sizes [rad/s] of velocity kicks.
     law : ContactLaw
@@ -410,10 +415,12 @@ def integrate(
     case = _case_of(
         system, (drive.largest_acceleration, drive.fastest_frequency), start, duration, law,
         rest_speed=rest_speed, follows_ledger=1, follows_tension=not system.is_linear,
+        tolerance=tolerance, speed=speed,
     )  # fmt: skip
     for i, distance in enumerate(start.distances):
         case["initial_distance"][:, i] = distance
-    case["step"] = step
+    if step > 0.0:
+        case["step"] = step
     segments = records.segment_records(drive, duration)
     formulas = formulas_of(watched)
     in_plane = moves_in_plane(system, drive)
@@ -423,6 +430,7 @@ def integrate(
         formulas=formulas,
     )  # fmt: skip
     runs = prepared_runs(case, stepper, segments.dtype, compiled=compiled)
+    step = float(runs["settings"]["step"][0])
     parameters, segment_changes = 0, segments[:0]
     if directions is not None:
         runs, segment_changes = _differentiated(runs, directions, segments.dtype)

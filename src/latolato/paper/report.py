@@ -177,6 +177,7 @@ def _write(
             for suffix in (".png", ".svg"):
                 path = folder / f"{name}{suffix}"
                 style.save_figure(figure, path, dpi=QUICK_DPI if quick else DPI)
+                figure.set_layout_engine("none")  # as it was found for the first file
         save(dataset, folder / f"{name}.nc")
         parts.append(
             Part(

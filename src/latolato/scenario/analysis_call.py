@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from latolato.core.errors import InputError
 from latolato.core.quantities import in_brackets
 from latolato.scenario.analysis_options import read_value
+from latolato.scenario.units import to_si
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
@@ -64,9 +65,7 @@ class AnalysisCall:
                 if name in run:
                     result[name] = run[name]
             elif values.get(name) is not None:
-                result[name] = read_value(
-                    option, values[name], self._unit(option, values, scenario)
-                )
+                result[name] = self._value(option, values, scenario)
             elif name in kicks:
                 result[name] = kicks[name]
             elif name in sweep:
@@ -114,18 +113,33 @@ class AnalysisCall:
             except InputError:
                 pass
         unit = "" if option.unit_of else in_brackets(option.unit)
-        example = ' "0 : 1 : 11"' if option.several else ""
+        example = "" if not option.several else " 0,1" if option.unit_of else ' "0 : 1 : 11"'
         names = {"name": self.name, "unit": unit, "option": f"{option.flag}{example}"}
         raise broken_analysis("needed_by_analysis", names, parameter=option.name)
 
-    def _unit(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> str:
-        """Return the unit of an option; that of the quantity that another one names, if need be."""
-        if not option.unit_of or option.several:
-            return option.unit
+    def _value(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> Any:
+        """Return the argument of an option; its unit may be that of what another option names."""
+        value = values[option.name]
+        if not option.unit_of:
+            return read_value(option, value)
         from latolato.analysis.registry import quantity_named
 
-        name = values.get(option.unit_of) or self.own[option.unit_of].default
-        return quantity_named(name, scenario.system, _moving(scenario)).unit
+        naming = self.own[option.unit_of]
+        given = values.get(naming.name)
+        named = naming.default if given is None else read_value(naming, given)
+
+        def unit_of(name: str) -> str:
+            return quantity_named(name, scenario.system, _moving(scenario)).unit
+
+        if not option.several:
+            return read_value(option, value, unit_of(named))
+        texts = value if isinstance(value, (list, tuple)) else str(value).split(",")
+        if len(texts) != len(named):
+            return read_value(option, value)
+        return [
+            to_si(f"{option.name} ({name})", text, unit_of(name))
+            for name, text in zip(named, texts, strict=True)
+        ]
 
     def _tell_left_out(self, scenario: Scenario) -> None:
         """Warn of laws of a scenario that the analysis does not know."""

@@ -243,7 +243,13 @@ def to_si_list(name: str, value: Any, unit: str, folder: Path | None = None) -> 
     try:
         return [to_si(name, value, unit)]
     except InputError as error:
-        error.add_way_out("there is no file of that name either")
+        parts = value.split()
+        are_numbers = len(parts) > 1 and None not in map(_plain_number, parts)
+        error.add_way_out(
+            "put commas between the values"
+            if are_numbers
+            else "there is no file of that name either"
+        )
         raise
 
 

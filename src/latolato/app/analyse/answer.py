@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 from latolato.app.analyse.forms import label_of
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.core.errors import InputError
-from latolato.core.quantities import in_brackets, quantity_of
+from latolato.core.quantities import quantity_of
+from latolato.io.analysis_tables import to_csv
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -129,37 +130,3 @@ def _axis_of(dataset: xr.Dataset, axes: Any, side: str) -> dict[str, Any] | None
                 "ends": [float(low), float(high)],
             }
     return None
-
-
-def to_csv(dataset: xr.Dataset) -> str:
-    """Return an analysis as text: its labels, its single numbers, a table for each shape."""
-    import csv
-    import io
-
-    import numpy as np
-
-    from latolato.io.files import without_complex
-
-    plain = without_complex(dataset)
-    text = io.StringIO()
-    write = csv.writer(text, lineterminator="\n").writerow
-    for key, value in plain.attrs.items():
-        print(f"# {key}: {' '.join(str(value).split())}", file=text)
-    tables: dict[tuple[str, ...], list[str]] = {}
-    for name, variable in plain.data_vars.items():
-        tables.setdefault(tuple(map(str, variable.dims)), []).append(str(name))
-    for dims, names in sorted(tables.items(), key=lambda item: len(item[0])):
-        print(f"\n# over {', '.join(dims) or 'nothing'}", file=text)
-        shape = tuple(plain.sizes[dim] for dim in dims)
-        grids = np.meshgrid(*(plain[dim].values for dim in dims), indexing="ij")
-        columns = [grid.ravel() for grid in grids]
-        columns += [np.broadcast_to(plain[name].values, shape).ravel() for name in names]
-        write([*dims, *(_headed(plain, name) for name in names)])
-        for row in zip(*(column.tolist() for column in columns), strict=True):
-            write(row)
-    return text.getvalue()
-
-
-def _headed(dataset: xr.Dataset, name: str) -> str:
-    """Return the head of a column, with its unit."""
-    return name + in_brackets(str(dataset[name].attrs.get("units", "1")))

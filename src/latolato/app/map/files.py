@@ -18,7 +18,6 @@ from latolato.app.blocks import pack_files
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import units_of
 from latolato.app.jobs import Job
-from latolato.app.map.curves import read_curves
 from latolato.app.map.stored import (
     MOST_CELLS,
     check_observable,
@@ -31,6 +30,7 @@ from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, quantity_of
 from latolato.core.registry import checked_number
+from latolato.io.analysis_tables import read_curves
 from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:

@@ -687,13 +687,13 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
     if not ahead:
         words = f"{best} drag alone was fitted"
     elif near:
-        words = f"{best} drag and {', '.join(near)} cannot be told apart"
+        words = f"{', '.join([best, *near[:-1]])} and {near[-1]} drag cannot be told apart"
     else:
         rival = order[1]
         words = f"{best} drag describes this decay best (BIC {ahead[rival]:.3g} ahead of {rival})"
     singles = [n for n in ("linear", "quadratic", "coulomb") if n in clear]
     if singles:
-        words += f"; {', '.join(singles)} alone {'is' if len(singles) == 1 else 'are'} excluded"
+        words += f"; {' or '.join(singles)} drag alone is excluded"
     if chosen in clear:
         words += f". Do not trust the numbers of {chosen} drag then: use law 'best'"
     if lost:

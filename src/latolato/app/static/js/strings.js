@@ -72,9 +72,14 @@ export function tr(text) {
   const line = text.replace(/\s+/g, " ").trim();
   const known = spoken.texts.get(line);
   if (known !== undefined) return known;
-  const [begun, capital] = [line.charAt(0).toLowerCase(), line.charAt(0).toUpperCase()];
-  const label = capital === begun ? undefined : spoken.texts.get(begun + line.slice(1));
-  return label === undefined ? text : label.charAt(0).toUpperCase() + label.slice(1);
+  const begun = line.charAt(0).toLowerCase() + line.slice(1);
+  const label = capitalised(line) === begun ? undefined : spoken.texts.get(begun);
+  return label === undefined ? text : capitalised(label);
+}
+
+/** @param {string} text */
+export function capitalised(text) {
+  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /**

@@ -11,11 +11,12 @@ import { columnsOf, LINE_END } from "./trials.js";
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /**
  * A curve, by points: the values of both parameters [SI], the motion at time zero, a number for each
- * ball, its largest angle [rad] and its word, and whether a stable motion ends there. `special` are
- * the points of codimension two.
+ * ball, its largest angle [rad] and its word, and whether a stable motion ends there. `births` are
+ * those of `is_supercritical` in `latolato.analysis.bifurcation_curve`, none for kinds without them.
+ * `special` are the points of codimension two.
  * @typedef {{text: string, kind: string, parameters: [string, string], labels: Record<string, string>,
  *   values: [number[], number[]], angles: number[][],
- *   velocities: number[][], largest: number[], words: string[], edges: boolean[],
+ *   velocities: number[][], largest: number[], words: string[], edges: boolean[], births: number[],
  *   special: {kind: string, values: number[]}[]}} Curve
  *
  * A curve over a map: `name` tells it from the others, `xs` and `ys` are those of the map's axes.
@@ -95,6 +96,7 @@ function curveOf(labels, tables) {
   return { kind: labels.bifurcation, parameters: [one, other], labels, values,
     angles: perBall(numbers("initial_angle")), velocities: perBall(numbers("initial_angular_velocity")),
     largest: numbers("largest_angle"), words: texts("word"), edges: numbers("is_edge").map(Boolean),
+    births: columns.get("is_supercritical")?.map(Number) ?? [],
     special: texts("special_kind").map((kind, i) => ({ kind, values: special.map((each) => each[i]) })) };
 }
 
@@ -133,7 +135,7 @@ function placing({ parameters, labels }, grid) {
   const [x, y] = parameters;
   const numbers = Object.fromEntries(Object.entries(labels).map(([name, text]) => [name, Number(text)]));
   const own = new Placing(/** @type {any} */ ({ xAxis: { name: x }, yAxis: { name: y }, xEdges: [0, 0],
-    yEdges: [0, 0], width: 1, height: 1, about: { parameters: numbers } }));
+    yEdges: [0, 0], width: 1, height: 1, about: { parameters: numbers, laws: labels } }));
   const over = new Placing(grid);
   return ([one, other]) => over.place(own.plain({ [x]: one, [y]: other }));
 }
@@ -193,7 +195,8 @@ export function orbitOptions(registry, { curve, i }) {
  */
 export function curveText({ axes, observables }, { curve, i }) {
   const [word, angle] = ["contact_word", "largest_angle"].map((name) => observables[name].variables[name]);
-  return [kindText(curve.label, curve.edges[i]),
+  const edge = curve.edges[i] ? { 1: t("mapSoftEdge"), 0: t("mapSteepEdge") }[curve.births[i]] : undefined;
+  return [kindText(curve.label, curve.edges[i]), ...(edge ? [edge] : []),
     ...[1, 0].map((k) => withName(/** @type {any} */ (axes[curve.parameters[k]]), curve.values[k][i])),
     `${word.label}: ${tr(curve.words[i])}`, `${angle.label}: ${withUnit(angle, curve.largest[i])}`].join(" · ");
 }

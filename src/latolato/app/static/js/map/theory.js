@@ -19,7 +19,7 @@ const SLOWEST = 1e-3; // of the fastest
 export class Placing {
   /**
    * @param {Grid} grid
-   * @throws {InputError} if the map is not one of amplitude and frequency
+   * @throws {InputError} if the map is not one of amplitude and frequency, or if its drag is relative to the room
    */
   constructor(grid) {
     const { about, xAxis, yAxis, xEdges, yEdges, width, height } = grid;
@@ -41,6 +41,8 @@ export class Placing {
     this.mass = number(`${side}mass`);
     this.damping = number(`${side}damping`);
     this.gravity = number("gravity");
+    if (about.laws.drag_frame === "lab" && this.damping > 0)
+      throw brokenRule("overlay_drag", { parameter: "drag_frame", value: "lab" });
     this.hasContact = Boolean(about.has_contact);
     /** @type {Record<string, [number, number]>} */
     this.spans = { [x]: [xEdges[0], xEdges[width]], [y]: [yEdges[0], yEdges[height]] };

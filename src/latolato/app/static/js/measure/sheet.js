@@ -2,8 +2,7 @@
 
 import { el, freshId } from "../page/dom.js";
 import { shownUnit } from "../page/unit_text.js";
-import { capitalised } from "../page/words.js";
-import { ENGLISH, t } from "../strings.js";
+import { capitalised, ENGLISH, t } from "../strings.js";
 
 /**
  * @typedef {{position: number, name: string, path: string, unit: string, unit_from: string,

@@ -6,8 +6,11 @@ import { BeyondPageError, InputError } from "./rules.js";
 import { specify } from "./case.js";
 import { run, secondsOf } from "./simulate.js";
 
-/** @typedef {{number: number, request: import("./options.js").OptionsRequest, mostSamples: number,
- *   isAgreed: boolean}} RunQuestion */
+/**
+ * A question with a stretch is for a run of few samples, most of them in that stretch of time [s].
+ * @typedef {{number: number, request: import("./options.js").OptionsRequest, mostSamples: number,
+ *   isAgreed: boolean, stretch: [number, number] | null}} RunQuestion
+ */
 /** @typedef {{number: number, block?: import("../page/block.js").Block, seconds?: number,
  *   fault?: {message: string, about: any, isBeyond: boolean}}} Reply */
 
@@ -18,12 +21,12 @@ const LONG = 60; // s
  * @param {RunQuestion} question
  * @returns {Promise<Reply>}
  */
-export async function answer({ number, request, mostSamples, isAgreed }) {
+export async function answer({ number, request, mostSamples, isAgreed, stretch }) {
   try {
     const each = await specify(await loadRegistry(), request);
     const seconds = isAgreed ? 0 : secondsOf(each);
     if (seconds > LONG) return { number, seconds };
-    return { number, block: blockOf(run(each, mostSamples)) };
+    return { number, block: blockOf(run(each, mostSamples, stretch)) };
   } catch (error) {
     const { message } = /** @type {Error} */ (error);
     const about = error instanceof InputError ? { rule: error.rule, about: error.about } : null;

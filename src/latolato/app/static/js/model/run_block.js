@@ -49,7 +49,7 @@ function aboutOf(run) {
   const { registry, system, kernels } = each;
   const options = resolvedOf(each);
   // Of a run that stopped early, the last one before it did.
-  const last = (/** @type {string} */ name) => columns[name][0].filter(Number.isFinite).at(-1) ?? NaN;
+  const last = (/** @type {string} */ name) => columns[name][0].findLast(Number.isFinite) ?? NaN;
   return {
     options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal,
     drive_period: registry.drives[each.drive.kind].periodic ? 2 * Math.PI / Number(each.drive.parameters.drive_frequency) : null,

@@ -20,6 +20,9 @@ import { brokenRule, refusal, sentenceOf } from "./rules.js";
  */
 
 const SAMPLES_PER_PERIOD = 100;
+// A run that is seen for a moment has so many samples in the stretch on show, and as many in all of it: a
+// sample takes longer than the step in which it lies.
+const MOST_THINNED = 3000;
 const MOST_DEFAULT_SAMPLES = 20_000_000;
 const MOST_STEPS = 1e9;
 // So many steps take some seconds at most.
@@ -40,13 +43,14 @@ const PHASED = [1, 2, 3];
  * The run of a case.
  * @param {Case} each
  * @param {number} [mostSamples] of a run whose instants were not asked for
+ * @param {[number, number] | null} [stretch] on show, of a run that is seen for a moment [s]
  * @returns {Run}
  */
-export function run(each, mostSamples = Infinity) {
+export function run(each, mostSamples = Infinity, stretch = null) {
   const { kernels } = each;
   const first = kernels.take("f8", 0);
   try {
-    return carried(each, mostSamples);
+    return carried(each, mostSamples, stretch);
   } finally {
     kernels.release(first);
   }
@@ -79,14 +83,16 @@ export function secondsOf(each) {
 /**
  * @param {Case} each
  * @param {number} mostSamples
+ * @param {[number, number] | null} stretch
  * @returns {Run}
  */
-function carried(each, mostSamples) {
+function carried(each, mostSamples, stretch) {
   const { kernels, system, drive, duration, tolerance } = each;
   const { layout } = kernels;
   const segments = shake(kernels, drive.kind, drive.parameters);
-  const instants = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), segments).driveRate,
+  const times = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), segments).driveRate,
     mostSamples);
+  const instants = stretch ? thinned(times, stretch) : times;
   const kicks = each.noise ? drawKicks(each.noise, { duration, angles: system.angles,
     natural_frequency: system.naturalFrequency }) : { times: [], sizes: [] };
   const kick_sizes = kernels.take("f8", system.angles, kicks.times.length);
@@ -126,6 +132,17 @@ function usualTimes({ system, duration }, driveRate, most) {
   if (count > Math.min(MOST_DEFAULT_SAMPLES, most) && most === Infinity)
     throw brokenRule("default_samples", {}, { count, limit: MOST_DEFAULT_SAMPLES });
   return evenly(duration, Math.max(Math.min(Math.ceil(count) + 1, most), 2));
+}
+
+/**
+ * Return some of the instants of a run, most of them in a stretch of it.
+ * @param {Float64Array} times
+ * @param {[number, number]} stretch
+ */
+function thinned(times, [from, to]) {
+  const isInside = (/** @type {number} */ time) => time >= from && time <= to;
+  const [inside, outside] = [times.filter(isInside), times].map(({ length }) => Math.ceil(length / MOST_THINNED));
+  return times.filter((time, i) => i % (isInside(time) ? inside : outside) === 0 || i === times.length - 1);
 }
 
 /**

@@ -2,10 +2,9 @@
 
 import { checkedNumber, InputError } from "../model/rules.js";
 import { splitQuantity, toSi } from "../model/units.js";
-import { local, localList, t } from "../strings.js";
+import { capitalised, local, localList, t } from "../strings.js";
 import { inPagesWords, sentenceInLanguage } from "./refusals.js";
 import { short, shownUnit } from "./unit_text.js";
-import { capitalised } from "./words.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */

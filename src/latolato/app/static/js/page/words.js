@@ -1,5 +1,7 @@
 /** Refusals of the server in the words of a page. */
 
+import { capitalised } from "../strings.js";
+
 // Names of options: those of one word are words of other sentences too, but not as “… must be”.
 const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
 
@@ -11,11 +13,6 @@ const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
  */
 export function inWords(text, words) {
   return capitalised(withLabels(text, words));
-}
-
-/** @param {string} text */
-export function capitalised(text) {
-  return text.charAt(0).toUpperCase() + text.slice(1);
 }
 
 /**

@@ -1,11 +1,10 @@
 /** A motion for those who hear it: its description, its clacks and tones, and its keys. */
 
 import { t } from "../strings.js";
-import { el } from "../page/dom.js";
+import { el, notify } from "../page/dom.js";
 import { accessibilityPreferences } from "../page/preferences.js";
 import { KeyList } from "../page/keys.js";
 import { LiveRegion } from "./live_region.js";
-import { Sound } from "./sound.js";
 
 /** @typedef {import("../page/keys.js").KeyActions} KeyActions */
 /** @typedef {import("./live_region.js").LiveSource} LiveSource */
@@ -19,7 +18,10 @@ export class Accessibility {
    * @param {() => {title: string, actions: KeyActions}[]} keys of the view
    */
   constructor(stage, keys) {
-    this.sound = new Sound();
+    /** Loaded when it is first wanted. @type {import("./sound.js").Sound | null} */
+    this.sound = null;
+    /** What is wanted of it. */
+    this.wanted = { clacks: false, tones: false };
     this.liveRegion = new LiveRegion();
     this.keys = new KeyList(keys);
     this.heard = 0;
@@ -38,7 +40,7 @@ export class Accessibility {
       return el("label", { class: "check", title }, box, t(name));
     };
     /** Stands on the stage. */
-    this.toggle = choice("sound", t("soundHint"), (on) => { this.sound.clacks = on; });
+    this.toggle = choice("sound", t("soundHint"), (on) => void this.hear({ clacks: on }));
     // Screen readers are silent about what is in a closed `details`, which shows no dialog either.
     /** Say what happens now, and show it to who asks. */
     this.answer = () => {
@@ -47,12 +49,25 @@ export class Accessibility {
     };
     this.root = el("div", { class: "senses" },
       el("details", { class: "about" }, el("summary", {}, t("listenAndRead")), el("div", { class: "row" },
-        choice("tone", t("toneHint"), (on) => { this.sound.tones = on; }),
+        choice("tone", t("toneHint"), (on) => void this.hear({ tones: on })),
         choice("describe", t("describeHint"), (on) => { line.classList.toggle("unseen", !on); }),
         el("button", { type: "button", class: "plain", on: { click: () => this.answer() } },
           t("whatHappens"), el("kbd", { "aria-hidden": "true" }, "W")),
         this.keys.button)),
       line, about, this.keys.dialog);
+  }
+
+  /**
+   * Play clacks or tones from now on, or no longer.
+   * @param {{clacks?: boolean, tones?: boolean}} wanted
+   */
+  async hear(wanted) {
+    Object.assign(this.wanted, wanted);
+    if (!this.sound && !Object.values(wanted).includes(true)) return;
+    const module = await import("./sound.js").catch(() => notify(t("offline")));
+    if (!module) return;
+    this.sound ??= new module.Sound();
+    Object.assign(this.sound, this.wanted);
   }
 
   /** Return the keys that every motion has. @returns {KeyActions} */
@@ -74,11 +89,11 @@ export class Accessibility {
     const since = time - this.heard;
     if (isPlaying && liveRegion.source) {
       const { motion, log } = liveRegion.source;
-      if (sound.clacks && since > 0 && since < LONGEST * speed)
+      if (sound?.clacks && since > 0 && since < LONGEST * speed)
         for (const { time: at, kind, speed: closing } of log().between(this.heard, time))
           if (kind === "bottom" || kind === "top")
             sound.clack((time - at) / speed, closing / this.loudest, kind);
-      if (sound.tones) sound.follow(motion.balls.map((ball) => motion.angle(ball, time)));
+      if (sound?.tones) sound.follow(motion.balls.map((ball) => motion.angle(ball, time)));
     }
     this.heard = time;
     liveRegion.move(time, isPlaying);
@@ -86,6 +101,6 @@ export class Accessibility {
 
   close() {
     this.liveRegion.end();
-    this.sound.close();
+    this.sound?.close();
   }
 }

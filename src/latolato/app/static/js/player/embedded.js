@@ -10,7 +10,7 @@ import { LongRunError, Runner } from "./runner.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 
-const SHEETS = ["vendor/uPlot.css", "app.css", "toy.css", "stage.css", "senses.css", "inset.css"];
+const SHEETS = ["vendor/uPlot.css", "app.css", "toy.css", "inset.css"];
 // Text that is lighter than this, of 255, is written on dark.
 const LIGHT = 128;
 

@@ -97,14 +97,15 @@ export class Runner {
   /**
    * Return a run as a block.
    * @param {OptionsRequest} request
-   * @param {{mostSamples?: number, isAgreed?: boolean}} [how] `isAgreed`: however long it takes
+   * @param {{mostSamples?: number, isAgreed?: boolean, stretch?: [number, number] | null}} [how]
+   *   `isAgreed`: however long it takes; `stretch`: with few samples, most of them in that stretch of time [s]
    * @returns {Promise<Block>}
    * @throws {InputError} for bad input
    * @throws {LongRunError} for a run that takes longer than a minute
    */
-  compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false } = {}) {
+  compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false, stretch = null } = {}) {
     this.number += 1;
-    const question = { number: this.number, request, mostSamples, isAgreed };
+    const question = { number: this.number, request, mostSamples, isAgreed, stretch };
     return new Promise((resolve, reject) => {
       this.waiting?.reject(aborted());
       this.waiting = { question, resolve, reject, isRepeated: false };

@@ -90,6 +90,12 @@ export class ToyView {
         el("div", { class: "drawers" }, this.more, this.drawer,
           this.lines))));
     this.root = el("div", { class: "view toy" }, place);
+    /** Whether a slider moves, and whether the last run was therefore thinned. */
+    this.isSliding = this.isThinned = false;
+    this.root.addEventListener("input", ({ target }) => {
+      this.isSliding = target instanceof HTMLInputElement && target.type === "range";
+    }, { capture: true });
+    this.root.addEventListener("change", () => this.endSlide(), { capture: true });
     /** Whether a run has been shown, and whether the clock goes on when the view comes back. */
     this.hasBegun = this.goesOn = false;
     /** @type {(() => void)[]} what ends listening */
@@ -281,6 +287,18 @@ export class ToyView {
     return { scenario, options };
   }
 
+  /** Show the whole run when a slider is let go. */
+  endSlide() {
+    this.isSliding = false;
+    if (this.isThinned && !this.hand?.isOn) void this.simulate();
+  }
+
+  /** The stretch of time that may be on show before a slider is let go: twice what is on show now. @returns {[number, number]} */
+  get stretch() {
+    const [from, to] = this.player.curves.span;
+    return [from, to + (to - from)];
+  }
+
   /**
    * Simulate what the address asks for, and show it.
    * @param {boolean} [isAgreed] however long that takes
@@ -299,7 +317,9 @@ export class ToyView {
       if (isAgreed) this.page.messages.root.querySelector("button")?.focus();
     }, isAgreed ? 0 : PATIENCE);
     const { kept } = this;
-    const pending = kept ? Promise.resolve(kept) : this.runner.compute({ scenario, options }, { isAgreed });
+    this.isThinned = this.isSliding;
+    const pending = kept ? Promise.resolve(kept)
+      : this.runner.compute({ scenario, options }, { isAgreed, stretch: this.isThinned ? this.stretch : null });
     this.form.build();
     try {
       const block = await pending;
