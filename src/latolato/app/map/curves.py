@@ -37,10 +37,15 @@ def write_shipped(names: Iterable[str] = SHIPPED, folder: Path = CURVES) -> list
 
 
 def _shortened(curve: xr.Dataset) -> xr.Dataset:
-    """Round a curve's numbers to twelve digits: with ten, motions at folds are not found again."""
+    """Round a curve's numbers to twelve digits and 1e-15, below which a state is zero.
+
+    With ten digits motions at folds are not found again.
+    """
     shortened = curve.copy()
     for name, variable in curve.data_vars.items():
         if variable.dtype.kind == "f":
-            digits = np.array([float(f"{value:.12g}") for value in variable.values.ravel()])
+            digits = np.array(
+                [float(f"{round(value, 15):.12g}") for value in variable.values.ravel()]
+            )
             shortened[name] = variable.copy(data=digits.reshape(variable.shape))
     return shortened
