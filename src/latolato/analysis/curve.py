@@ -38,6 +38,9 @@ _ROUNDING = 1e-6
 _BEYOND = (1e-6, 1e-5, 1e-4, 1e-3)
 # A motion that is this near to an image of itself has that symmetry.
 _MERGED = 1e-5
+# Share of a gap that is left where a straight line between two neighbours has it zero: at a true
+# zero it is of the second order in the step, at an impact all of it.
+_TURNED = 0.5
 
 
 @dataclass(frozen=True)
@@ -239,7 +242,7 @@ class Curve:
             between = self.correct(old, -reach * float(here @ change) / float(change @ change))
             if between is not None:
                 gap = self.condition.images(between.solution)[i]
-                if np.linalg.norm(gap) > 0.5 * max(np.linalg.norm(here), np.linalg.norm(there)):
+                if np.linalg.norm(gap) > _TURNED * max(np.linalg.norm(here), np.linalg.norm(there)):
                     continue
             point = self._zero(value, old, new, reach)
             if np.linalg.norm(self.condition.images(point.solution)[i]) < _MERGED:
