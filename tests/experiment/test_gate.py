@@ -11,7 +11,7 @@ import latolato as ll
 from conditions import conditions
 from latolato.cli.main import main
 from latolato.core.errors import InputError
-from latolato.experiment import track
+from latolato.experiment import follow
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking import gate
@@ -382,7 +382,7 @@ def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_pat
     path = tmp_path / "clip.mp4"
     clicks = synthesise_video(run, path, *made, seed=3).attrs
     findings = []
-    monkeypatch.setattr(track, "examine", lambda *seen: findings.append(gate.examine(*seen)) or [])
+    monkeypatch.setattr(follow, "examine", lambda *seen: findings.append(gate.examine(*seen)) or [])
     ll.track(
         path,
         pivot=_place(clicks, "pivot"),

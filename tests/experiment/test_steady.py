@@ -14,7 +14,8 @@ from latolato.app.experiment.work import points_block
 from latolato.core.errors import InputError
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
-from latolato.experiment.track import prepare, run
+from latolato.experiment.task import prepare
+from latolato.experiment.track import run
 from latolato.experiment.tracking.sample import Sample, even_times, read_sample
 from latolato.experiment.tracking.steady import steadied
 from latolato.experiment.video import open_video

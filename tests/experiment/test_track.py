@@ -290,7 +290,7 @@ def test_what_a_wrong_radius_led_astray_is_learned_again_without_it(swing, monke
             scene.explained = 0.8
         return scene
 
-    monkeypatch.setattr("latolato.experiment.track.learn_image_model", astray)
+    monkeypatch.setattr("latolato.experiment.follow.learn_image_model", astray)
     radius = swing.truth.attrs["radius"]
     with pytest.warns(RuntimeWarning, match="the radius of a ball is"):
         table = ll.track(

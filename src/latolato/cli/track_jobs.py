@@ -151,8 +151,9 @@ def _child(job: Job, pipe: Connection) -> None:
 
 def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str, Any]:
     """Track one video, write its files and return the summary."""
-    from latolato.experiment import track
     from latolato.experiment.sidecar import own_sidecar, sidecar_path, write_sidecar
+    from latolato.experiment.task import prepare
+    from latolato.experiment.track import run
     from latolato.experiment.track_table import write_table
 
     tell = progress or (lambda share: None)
@@ -162,12 +163,12 @@ def work(job: Job, progress: Callable[[float], None] | None = None) -> dict[str,
     is_pointed_at = job.pivot is not None or isinstance(job.balls, tuple)
     if sidecar is None and job.output is not None and not (job.propose or is_pointed_at):
         sidecar = own_sidecar(job.output, job.video)
-    task = track.prepare(
+    task = prepare(
         job.video, job.pivot, job.balls, dict(job.values), sidecar, lambda share: tell(part * share)
     )
     if job.propose:
         return _proposed(job, task)
-    table = track.run(task, lambda share: tell(part * share))
+    table = run(task, lambda share: tell(part * share))
     files: list[Path] = []
     if job.output is not None:
         files.append(write_table(table, job.output))

@@ -26,7 +26,8 @@ from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.importing import is_track_file
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
-from latolato.experiment.track import prepare, run
+from latolato.experiment.task import prepare
+from latolato.experiment.track import run
 from latolato.experiment.track_table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.video import Frame, Limits, Video, open_video
 from latolato.simulation.summary import plain

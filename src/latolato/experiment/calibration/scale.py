@@ -11,6 +11,9 @@ from latolato.experiment.calibration.hinge import CLICK
 from latolato.experiment.calibration.lens import undistorted
 from latolato.experiment.sidecar import Setup
 
+# Share by which a declared size must differ from the measured one to be worth a warning.
+TOLERANCE = 0.03
+
 
 @dataclass(frozen=True)
 class Scale:

@@ -1,0 +1,392 @@
+"""Follows the balls of a task through its video, step by step, and refuses what is no pendulum."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from latolato.core.errors import InputError
+from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
+from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
+from latolato.experiment.calibration.lens import undistorted
+from latolato.experiment.calibration.pace import pace_warnings
+from latolato.experiment.calibration.scale import TOLERANCE, scale_of
+from latolato.experiment.sidecar import OUTSIDE, Setup
+from latolato.experiment.task import READ, Progress, Task, is_inside, part_of
+from latolato.experiment.tracking.appearance import Appearance
+from latolato.experiment.tracking.dot import dot_radius
+from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.geometry import Geometry, fit_geometry
+from latolato.experiment.tracking.learn import ImageModel, learn_dot_model, learn_image_model
+from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
+from latolato.experiment.tracking.positions import Positions, meetings
+from latolato.experiment.tracking.refine import Corrections, refine
+from latolato.experiment.tracking.route import Route, find_route
+from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.tracking.steady import Steadier
+from latolato.experiment.video import Video
+
+# By which factor what moves may be larger or smaller than the declared ball.
+_OTHER_SIZE = 5.0
+# Shares of samples that are measured, and that are clean, below which no ball was followed; below
+# which too few are clean; below which one in slow motion is measured too seldom.
+_NEVER, _HARDLY, _SELDOM, _OFTEN = 0.25, 0.1, 0.7, 0.95
+# Share of frames from which a ball that is off its circle does not swing about the pivot, and the
+# share of the arm by which it is off at least.
+_ASTRAY, _OFF = 0.4, 0.03
+# Error of a ball's place where its pattern resembles the background, as a share of its radius:
+# where the colours learned explain all of the ball, and how much more where they explain nothing.
+# Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
+_PATTERN, _UNEXPLAINED = 0.05, 0.1
+# Share of learning the scene in the work that follows the first reading.
+_LEARNED = 0.2
+# By which factor the distances of two balls from one pivot differ whose arms are different.
+_OTHER_ARM = 1.15
+
+
+@dataclass(frozen=True)
+class Track:
+    """Balls that were followed about one pivot."""
+
+    scene: ImageModel
+    seen: Positions
+    measured: Calibration
+
+
+@dataclass(frozen=True)
+class PathOnly:
+    """Balls whose pivot is not known, and why."""
+
+    seen: Positions
+    doubt: str
+
+
+def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track] | PathOnly:
+    """Follow the balls of a task: both about one pivot, or each about its own.
+
+    Raises
+    ------
+    InputError
+        If what was followed is no ball, does not swing about the pivot, or may be another ball.
+    """
+    setup, route = task.setup, _route(task, sample)
+    found: list[Track] | Track | PathOnly
+    if setup.has_own_pivots or _has_own_arms(setup, task.video):
+        found = _each_alone(task, sample, route, progress)
+    else:
+        if setup.pivot is not None:
+            route = route.ordered(np.array(setup.pivot))
+        found = _found(task, sample, route, part_of(progress, READ, 1.0))
+        _check_alone(route)
+    if isinstance(found, PathOnly):
+        balls = [np.array(ball) for ball in setup.balls]
+        return replace(found, seen=_believed(task, sample, found.seen, balls))
+    return found if isinstance(found, list) else [found]
+
+
+def _has_own_arms(setup: Setup, video: Video) -> bool:
+    """Return whether two balls swing about one pivot in the picture at different distances."""
+    if len(setup.balls) < 2 or setup.pivot is None or not is_inside(setup.pivot, video):
+        return False
+    short, long = sorted(math.dist(ball, setup.pivot) for ball in setup.balls)
+    return long > _OTHER_ARM * short
+
+
+def _each_alone(
+    task: Task, sample: Sample, route: Route, progress: Progress | None
+) -> list[Track] | PathOnly:
+    """Return two balls, each of which was followed about a pivot of its own."""
+    tracks: list[Track] = []
+    pivots = task.setup.pivot, task.setup.pivot_2 or task.setup.pivot
+    for b, pivot in enumerate(pivots):
+        corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
+        alone = replace(
+            task.setup,
+            pivot=pivot,
+            balls=task.setup.balls[b : b + 1],
+            has_own_pivots=False,
+            corrections=tuple(corrections),
+        )
+        low = READ + 0.5 * b * (1.0 - READ)
+        tell = part_of(progress, low, low + 0.5 * (1.0 - READ))
+        found = _found(replace(task, setup=alone), sample, route.ball(b), tell)
+        if isinstance(found, PathOnly):
+            return PathOnly(_positions(task, sample, route), found.doubt)
+        tracks.append(found)
+    right, left = (track.seen for track in tracks)
+    is_meeting = meetings(right, left)
+    for seen in (right, left):
+        seen.flags[(is_meeting & (seen.flags[:, 0] == "ok"))[:, None]] = "collision"
+    return tracks
+
+
+def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) -> Track | PathOnly:
+    """Return balls about one pivot: in the picture, or where the arc shows it."""
+    pivot = task.setup.pivot
+    if pivot is not None and is_inside(pivot, task.video):
+        scene, seen = _followed(task, sample, np.array(pivot), route, progress)
+        return Track(scene, seen, _calibrated(task, sample, scene, seen))
+    if task.setup.shape == "template":
+        raise InputError(
+            "a bob that is not a disc can only be followed about a pivot in the picture",
+            way_out="point at the pivot, or at a disc on the bob",
+        )
+    path = _positions(task, sample, route)
+    circle, doubt = _circle_of(task, path)
+    if circle is None or doubt is not None:
+        return PathOnly(path, f"{doubt}")
+    attempt = replace(task, warnings=[])  # a track that is given up leaves no warnings
+    scene, seen = _followed(attempt, sample, circle.centre, route, progress, is_unseen=True)
+    circle, doubt = _circle_of(task, seen)
+    if circle is None or doubt is not None:
+        return PathOnly(path, f"{doubt}")
+    task.warnings += attempt.warnings
+    return Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
+
+
+def _followed(
+    task: Task,
+    sample: Sample,
+    pivot: np.ndarray,
+    route: Route,
+    progress: Progress | None,
+    *,
+    is_unseen: bool = False,
+) -> tuple[ImageModel, Positions]:
+    """The image model learned from a clip, and the positions of its balls about the pivot.
+
+    The picture does not show the pivot if it `is_unseen`.
+    """
+    video, setup = task.video, task.setup
+    size, radius = (video.width, video.height), setup.radius
+    balls = [np.array(ball) for ball in setup.balls]
+    corrections = _corrections(task, sample)
+    tell = part_of(progress, 0.0, _LEARNED)
+    is_disc = setup.shape != "template"
+    if is_unseen:
+        geometry = Geometry.at_rest(pivot, len(sample.from_click))
+    else:
+        geometry = fit_geometry(sample, pivot, balls, route, size, setup.optics)
+    dot = dot_radius(sample, route)
+
+    def learned(radius: float | None) -> ImageModel:
+        if not is_disc:
+            half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
+            return learn_template_model(video, sample, geometry, balls, half, route, tell)
+        if math.isfinite(dot):
+            return learn_dot_model(sample, geometry, balls, route, dot)
+        rough = route.radius if is_unseen else None
+        return learn_image_model(
+            video, sample, geometry, balls, radius, route, tell, rough_radius=rough
+        )
+
+    if is_unseen:
+        scene = learned(None)
+        seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
+        return scene, _believed(task, sample, seen, balls)
+    scale = scale_of(setup, size, (geometry.arm(balls), 0.0))
+    expected = radius / scale.metres if radius and scale else None
+    seen_radius = math.nan if route.is_traced or math.isfinite(dot) else route.detected_radius
+    if is_disc and expected and abs(math.log(expected / seen_radius)) > math.log(_OTHER_SIZE):
+        raise InputError(
+            f"what moves there has a radius of about {seen_radius:.0f} pixels, the declared radius "
+            f"is {expected:.3g} pixels by the scale",
+            way_out="check radius and length (from pivot to ball centre); without a radius it is "
+            "measured",
+        )
+    scene = learned(expected)
+    is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
+    if is_off and isinstance(scene.look, Appearance):
+        # A declared radius that is wrong may lead astray: without it more may be explained.
+        try:
+            free = learned(None)
+        except InputError:
+            free = scene
+        if free.explained > scene.explained:
+            scene = free
+    scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
+    seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
+    _check_distances(scene, route, seen.pivots)
+    declared = radius / scale.metres if radius and scale else None
+    return scene, _believed(task, sample, seen, balls, declared)
+
+
+def _route(task: Task, sample: Sample) -> Route:
+    """Return where the balls of a set-up roughly are in all frames."""
+    setup = task.setup
+    radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
+    if setup.radius and setup.length and setup.pivot:
+        radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
+    return find_route(
+        sample.copies, sample.times,
+        [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
+        [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
+    )  # fmt: skip
+
+
+def _positions(task: Task, sample: Sample, route: Route) -> Positions:
+    """Return positions of balls about an unseen pivot: those of their route."""
+    out = Positions.unknown(sample.times, route.places.shape[1], route.radius)
+    corrections = _corrections(task, sample)
+    out.flags[route.is_seen] = "ok"
+    out.centres[route.is_seen] = route.places[route.is_seen]
+    for number, _, _, _ in task.setup.corrections:
+        frame = number - task.video.first_frame
+        for ball, place in corrections(frame).items():
+            out.centres[frame, ball], out.flags[frame, ball] = place, "manual"
+    return out
+
+
+def _corrections(task: Task, sample: Sample) -> Corrections:
+    """Return the function that tells where balls of a frame are set by hand, once it is read.
+
+    Frames count from the first one used on. Places are those of a camera at rest.
+
+    Raises
+    ------
+    InputError
+        If no such frame is used, or there is no such ball.
+    """
+    places: dict[int, dict[int, np.ndarray]] = {}
+    first, count = task.video.first_frame, len(task.setup.balls)
+    for number, ball, *place in task.setup.corrections:
+        if not 0 <= number - first < len(sample.times):
+            raise InputError(
+                f"frame {number} is corrected, but only frames {first} to "
+                f"{first + len(sample.times) - 1} are used"
+            )
+        if ball > count:
+            raise InputError(f"ball {ball} is corrected in frame {number}, but there is only one")
+        places.setdefault(number - first, {})[ball - 1] = np.array(place)
+    steadier = task.video.steadier
+
+    def placed(number: int) -> dict[int, np.ndarray]:
+        fixed = places.get(number, {})
+        if isinstance(steadier, Steadier):
+            return {ball: steadier.place(number, place) for ball, place in fixed.items()}
+        return fixed
+
+    return placed
+
+
+def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
+    """Return the circle about a pivot that is not seen, and why it cannot be believed."""
+    video, setup, optics = task.video, task.setup, task.setup.optics
+    size = video.width, video.height
+    clean = np.where((seen.flags == "ok")[..., None], seen.centres, np.nan)
+    places = undistorted(clean, size, optics)
+    declared = None if setup.pivot is None else np.array(setup.pivot)
+    has_lens = bool(optics.lens_k1 or optics.lens_k2)
+    circle = unseen_circle(places, size, declared=declared, has_lens=has_lens)
+    return circle, doubt_about(seen.times, places, circle)
+
+
+def _believed(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    balls: list[np.ndarray],
+    radius: float | None = None,
+) -> Positions:
+    """Return a track without the samples that are not to be believed, or refuse it as a whole."""
+    if isinstance(task.video.steadier, Steadier):
+        unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
+        seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
+    share = float(seen.is_measured.mean())
+    places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
+    factor = task.setup.slow_motion
+    pace = f"check the slow motion of {factor:g}: a wrong one makes the ball hard to follow"
+    clean = seen.clean_share(~sample.repeats)
+    if share < _NEVER or clean < _HARDLY:
+        raise InputError(
+            f"what was taken for the ball, at {places} in frame {task.setup.click_frame}, is found "
+            f"in {100.0 * share:.0f} % of the samples only ({100.0 * clean:.0f} % are ok)",
+            way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
+        )
+    _examine(task, sample, seen, balls, radius)
+    share = float(seen.is_measured.mean())
+    if factor != 1.0 and share < _OFTEN:
+        task.warnings.append(
+            f"the ball was measured in only {100.0 * share:.0f} % of the samples: {pace}"
+        )
+    elif seen.clean_share(~sample.repeats) < _SELDOM:
+        task.warnings.append(f"{seen.gaps_text(~sample.repeats)}; look at the overlay")
+    return seen
+
+
+def _examine(
+    task: Task,
+    sample: Sample,
+    seen: Positions,
+    clicks: list[np.ndarray],
+    radius: float | None = None,
+) -> None:
+    """Give up samples that are not to be believed, or refuse the track as a whole.
+
+    Warnings join the task's list.
+    """
+    for finding in examine(sample, seen, clicks, radius):
+        if finding.is_refusal:
+            raise InputError(finding.reason, way_out=finding.way_out)
+        task.warnings.append(f"{finding.reason}; {finding.way_out}")
+        if finding.doubtful is not None:
+            seen.give_up(finding.doubtful)
+
+
+def _calibrated(
+    task: Task, sample: Sample, scene: ImageModel, seen: Positions, circle: Circle | None = None
+) -> Calibration:
+    """Return angles about the hinge, or about the centre of a circle where no pivot is seen."""
+    video, setup = task.video, task.setup
+    if not scene.pivot.is_still:
+        seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
+    size = video.width, video.height
+    measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    if isinstance(video.steadier, Steadier):
+        places = video.steadier.deviations(len(seen.times))
+        measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)
+    stiffness = setup.gravity / setup.length if setup.length else None
+    swing = measured.gravity.swing
+    task.warnings += pace_warnings(measured.motion, swing, stiffness, setup.slow_motion)
+    if scene.look.is_spinning:
+        share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
+        unsure = share * scene.look.radius / measured.hinge.arm
+        measured.sigmas = np.hypot(measured.sigmas, unsure)
+        task.warnings.append(
+            "the ball has a pattern that turns with it: where the pattern resembles the "
+            f"background, angles are off by {1e3 * unsure:.2g} mrad or more"
+        )
+    return measured
+
+
+def _check_alone(route: Route) -> None:
+    """Refuse a ball that meets one of the same look that nobody pointed at."""
+    if math.isfinite(route.meets):
+        raise InputError(
+            f"a second ball that looks the same meets this one, at {route.meets:.4g} s: from then "
+            "on one may be taken for the other",
+            way_out="point at both (--balls 2), or end before they meet (--end)",
+        )
+
+
+def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:
+    """Refuse balls that are often off the circle, or oval, about pivots (frame, 2)."""
+    away = (route.places - pivots[:, None])[route.is_seen]
+    off = scene.off(away) > max(route.radius, _OFF * scene.arm)
+    if not len(away) or np.mean(off) < _ASTRAY:
+        return
+    low, high = np.quantile(np.hypot(*away.T), [0.05, 0.95])
+    u, v = np.median(pivots, axis=0)
+    raise InputError(
+        f"what was taken for the ball is {low:.0f} to {high:.0f} pixels from the pivot at "
+        f"({u:.0f}, {v:.0f}), so it does not swing about it",
+        way_out="point at the middle of the ball and at the pivot about which it swings, or use "
+        f"'{OUTSIDE}' if the picture does not show the pivot",
+    )
+
+
+def _doubt(scene: ImageModel) -> float:
+    """Return by which share the radius measured may differ from that declared."""
+    return TOLERANCE + scene.look.radius_sigma / scene.look.radius
