@@ -52,9 +52,9 @@ def draw(
     total, pieces = ready
     if len(pieces) > 0:
         moved = np.empty(6)
-        for piece in pieces:
-            moved[:] = piece
-            moved[:2] += shift
+        for p in range(len(pieces)):
+            for c in range(6):
+                moved[c] = pieces[p, c] + (shift[c] if c < 2 else 0.0)
             sweep(moved, total, step_of(ball.blur), corner, out)
         return
     # A ball that turns back: between its samples it is drawn as well.
@@ -70,6 +70,22 @@ def draw(
         if ball.is_spinning:
             turns[k] = math.atan2(places[k, 0] - pivot[0], places[k, 1] - pivot[1])
     cover(places, turns, ball, corner, out)
+
+
+@jit
+def _solve(matrix: np.ndarray, vector: np.ndarray) -> None:
+    """Replace `vector` by the solution of a positive definite system; `matrix` is used up."""
+    size = len(vector)
+    for k in range(size):
+        for m in range(k + 1, size):
+            factor = matrix[m, k] / matrix[k, k]
+            for n in range(k, size):
+                matrix[m, n] -= factor * matrix[k, n]
+            vector[m] -= factor * vector[k]
+    for k in range(size - 1, -1, -1):
+        for n in range(k + 1, size):
+            vector[k] -= matrix[k, n] * vector[n]
+        vector[k] /= matrix[k, k]
 
 
 @jit
@@ -89,30 +105,33 @@ def settle(
     """
     balls, rounds = len(ends), len(scales)
     rows, columns, _ = patch.seen.shape
-    layers = np.empty((balls, rows, columns, 4), np.float32)
     centres, shift = np.empty((balls, 2)), np.zeros((balls, 2))
     paths = [places[0 if b == 0 else ends[b - 1] : ends[b]] for b in range(balls)]
     ready = [prepared(path, pivot, ball) for path in paths]
     for round_ in range(rounds):
-        layers[:] = 0.0
+        layers = np.zeros((balls, rows, columns, 4), np.float32)
         for b in range(balls):
             for c in range(2):
-                centres[b, c] = paths[b][:, c].mean() + shift[b, c]
+                centres[b, c] = shift[b, c]
+                for k in range(len(paths[b])):
+                    centres[b, c] += paths[b][k, c] / len(paths[b])
             draw(paths[b], shift[b], pivot, ball, ready[b], patch.corner, layers[b])
         cost, matrix, vector, tally = normal_equations(
             patch, layers, centres, pivot, ball, scales[round_]
         )
-        matrix += 1e-9 * np.eye(2 * balls)
+        for m in range(2 * balls):
+            matrix[m, m] += 1e-9
         if round_ == rounds - 1:
             break
-        step = np.linalg.solve(matrix, vector).reshape(balls, 2)
+        _solve(matrix.copy(), vector)
         largest = 0.0
         for b in range(balls):
-            length = math.sqrt(step[b, 0] ** 2 + step[b, 1] ** 2)
+            across, down = vector[2 * b], vector[2 * b + 1]
+            length = math.sqrt(across**2 + down**2)
             part = min(1.0, _LONGEST * ball.radius / max(length, 1e-12))
-            for c in range(2):
-                shift[b, c] += part * step[b, c]
-                largest = max(largest, abs(part * step[b, c]))
+            shift[b, 0] += part * across
+            shift[b, 1] += part * down
+            largest = max(largest, abs(part * across), abs(part * down))
         if scales[round_] <= scales[rounds - 1] and largest < _CONVERGED:
             break
     return cost, shift, matrix, tally

@@ -1,4 +1,8 @@
-"""How the tracker's inner loops are compiled."""
+"""How the tracker's inner loops are compiled.
+
+They are loops over numbers on purpose: arithmetic of whole arrays brings code of numba's own, with
+the sentences of its errors, and compiled a third longer.
+"""
 
 from __future__ import annotations
 

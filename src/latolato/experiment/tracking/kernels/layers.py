@@ -231,9 +231,11 @@ def normal_equations(
     cost = 0.0
     limit = scale * scale
     slope = np.zeros((4, 3))
-    rods = pivot - centres
+    rods = np.empty((balls, 2))
     for b in range(balls):
-        rods[b] /= math.sqrt(rods[b, 0] ** 2 + rods[b, 1] ** 2)
+        across, down = pivot[0] - centres[b, 0], pivot[1] - centres[b, 1]
+        length = math.sqrt(across**2 + down**2)
+        rods[b, 0], rods[b, 1] = across / length, down / length
     for j in range(1, rows - 1):
         for i in range(3 * j % every or every, columns - 1, every):
             is_edge = _has_slope(layers, j, i)

@@ -52,13 +52,15 @@ def resample(plane: np.ndarray, left: float, top: float, out: np.ndarray) -> Non
 @jit
 def smeared(template: np.ndarray, across: float, down: float, count: int) -> np.ndarray:
     """Return a template averaged over `count` places along a motion."""
-    total = np.zeros(template.shape)
-    part = np.empty(template.shape)
+    rows, columns = template.shape
+    total, part = np.zeros((rows, columns)), np.empty((rows, columns))
     for k in range(count):
         share = (k + 0.5) / count - 0.5
         resample(template, -share * across, -share * down, part)
-        total += part
-    return total / count
+        for j in range(rows):
+            for i in range(columns):
+                total[j, i] += part[j, i] / count
+    return total
 
 
 @jit

@@ -40,11 +40,11 @@ def pieces_of(path: np.ndarray) -> np.ndarray:
         knots[count, c] = 1.5 * path[count - 1, c] - 0.5 * path[count - 2, c]
         for k in range(1, count):
             knots[k, c] = 0.5 * (path[k - 1, c] + path[k, c])
-    steps = knots[1:] - knots[:-1]
-    first, last = steps[0], steps[count - 1]
-    lengths = np.sqrt(steps[:, 0] ** 2 + steps[:, 1] ** 2)
+    # By how much the last step differs from the first.
+    bend_x = knots[count, 0] - knots[count - 1, 0] - knots[1, 0] + knots[0, 0]
+    bend_y = knots[count, 1] - knots[count - 1, 1] - knots[1, 1] + knots[0, 1]
     # How far the path's middle is from that of its chord, as an arc and as speed that changes.
-    sagitta = count * math.sqrt((last[0] - first[0]) ** 2 + (last[1] - first[1]) ** 2) / 8.0
+    sagitta = count * math.sqrt(bend_x**2 + bend_y**2) / 8.0
     number = max(1, math.ceil(math.sqrt(sagitta / _SAGITTA)))
     if number > count:
         return none
@@ -53,11 +53,16 @@ def pieces_of(path: np.ndarray) -> np.ndarray:
         a, b = p * count // number, (p + 1) * count // number
         dx, dy = knots[b, 0] - knots[a, 0], knots[b, 1] - knots[a, 1]
         length = math.sqrt(dx * dx + dy * dy)
-        if length < max(_SHORTEST, _STRAIGHT * lengths[a:b].sum()):
+        along, middle_x, middle_y = 0.0, 0.0, 0.0
+        for k in range(a, b):
+            step_x, step_y = knots[k + 1, 0] - knots[k, 0], knots[k + 1, 1] - knots[k, 1]
+            along += math.sqrt(step_x**2 + step_y**2)
+            middle_x += path[k, 0] / (b - a)
+            middle_y += path[k, 1] / (b - a)
+        if length < max(_SHORTEST, _STRAIGHT * along):
             return none
         # On both sides of the path, not within its bend.
-        pieces[p, 0] = path[a:b, 0].mean() - 0.5 * dx
-        pieces[p, 1] = path[a:b, 1].mean() - 0.5 * dy
+        pieces[p, 0], pieces[p, 1] = middle_x - 0.5 * dx, middle_y - 0.5 * dy
         pieces[p, 2], pieces[p, 3], pieces[p, 4] = dx / length, dy / length, length
         pieces[p, 5] = (b - a) / count
     return pieces
@@ -83,15 +88,18 @@ def running_sum(piece: np.ndarray, turn: float, ball: Ball) -> np.ndarray:
         piece[2] * cosine - piece[3] * sine,
         piece[2] * sine + piece[3] * cosine,
     )
-    before, now, total = np.zeros((3, 4), np.float32)
+    before, now = np.zeros(4, np.float32), np.zeros(4, np.float32)
+    total = np.zeros(4, np.float32)
     half_step = np.float32(0.5 * step)
     for m in range(count):
         t = (m - middle) * step
-        total[:] = before[:] = 0.0
+        for c in range(4):
+            total[c] = before[c] = 0.0
         for n in range(count):
             s = (n - middle) * step
             square = s * s + t * t
-            now[:] = 0.0
+            for c in range(4):
+                now[c] = 0.0
             if square < reach * reach:
                 share = 1.0
                 if square > core:
