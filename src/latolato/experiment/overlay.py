@@ -13,9 +13,9 @@ import numpy as np
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.calibration.tilt import tilt_of
 from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.opencv import import_cv2
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of, has_own_pivots
-from latolato.experiment.tracking.detect import import_cv2
 from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
 

@@ -348,7 +348,7 @@ def _base64(content: bytes) -> str:
 
 def _fitted(picture: np.ndarray, width: int) -> np.ndarray:
     """Return a picture at most so wide."""
-    from latolato.experiment.tracking.detect import import_cv2
+    from latolato.experiment.opencv import import_cv2
 
     cv2 = import_cv2()
     if picture.shape[1] <= width:
@@ -378,7 +378,7 @@ def _thumbnails(
 
 def _cut(picture: np.ndarray, artist: Artist, number: int, b: int) -> np.ndarray:
     """Return the part of a picture about a ball, or where it was last seen, as a square."""
-    from latolato.experiment.tracking.detect import import_cv2
+    from latolato.experiment.opencv import import_cv2
 
     centres = artist.centres[: number + 1, b]
     places = centres[np.isfinite(centres).all(axis=1)]

@@ -10,10 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
+from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
 from latolato.experiment.synthetic.wall import make_wall
-from latolato.experiment.tracking.detect import import_cv2
 
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22

@@ -16,9 +16,9 @@ from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
+from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.track_table import track_table
-from latolato.experiment.tracking.detect import import_cv2
 from latolato.experiment.video import digest_of
 from latolato.io.files import check_suffix
 

@@ -1,6 +1,6 @@
 """What moves in each frame of a clip: small pictures of all frames, and blobs that differ in them.
 
-A blob is a connected set of pixels that differ from the median picture of the clip. Rods and
+A blob is a connected set of pixels that differ from the clip's background. Rods and
 shadows are cut off: a rod is thinner than half the ball at its end, and a shadow differs by less
 than the ball that casts it.
 """
@@ -14,17 +14,16 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.core.errors import import_extra
+from latolato.experiment.opencv import import_cv2
+from latolato.experiment.tracking.background import (
+    background_of,
+    clear_difference,
+    difference,
+)
 from latolato.experiment.video import Frame
 
 # Pixels of a small picture, and of those of a whole clip together.
 _PIXELS, _ALL_PIXELS = 100_000, 90_000_000
-# Frames of which the median picture is made.
-_SAMPLED = 61
-# Differences of colour count more than those of light, which shadows have too.
-_CHROMA = 2
-# A difference is one above this many standard deviations of the noise, and above some steps of 255.
-_CLEAR, _LEAST = 6.0, 9.0
 # Part of a thing's own difference from which a pixel belongs to it, and not to its shadow.
 _OWN = 0.45
 # How far colours may be from one that is looked for [steps of 255]; light may be twice as far.
@@ -103,16 +102,8 @@ class Copies:
 
     @cached_property
     def background(self) -> np.ndarray:
-        """Median picture of the clip, shape (row, column, 3)."""
-        count = len(self.pictures)
-        some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED)).astype(int))
-        middle = len(some) // 2
-        # By strips of rows: the pictures of a whole clip need not be in memory twice.
-        strips = (
-            np.partition(self.pictures[some, row : row + 32], middle, axis=0)[middle]
-            for row in range(0, self.pictures.shape[1], 32)
-        )
-        return np.concatenate(list(strips))
+        """Picture of the clip without what moves, shape (row, column, 3)."""
+        return background_of(self.pictures)
 
     def small(self, places: np.ndarray) -> np.ndarray:
         """Places (..., 2) of the video in pixels of small pictures."""
@@ -197,14 +188,12 @@ def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
 
     Notes
     -----
-    It can miss: what rests in most of the clip, what has the colour of the background, and what is
+    It can miss: what never leaves its place, what has the colour of the background, and what is
     smaller than about three pixels of a small picture, which has 100,000 of them or fewer.
     """
     cv2 = import_cv2()
     wall = copies.background
-    some = copies.pictures[:: max(1, len(copies.pictures) // 12)]
-    typical = np.median([_difference(cv2, picture, wall) for picture in some], axis=0)
-    limit = max(_LEAST, _CLEAR * (1.4826 * float(np.median(typical)) + 0.3))
+    limit = clear_difference(copies.pictures, wall)
     (left, top), (right, bottom) = (
         np.rint(copies.small(edge)).astype(int) for edge in copies.bounds
     )
@@ -214,12 +203,6 @@ def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
         _blobs(cv2, picture[part], wall[part], corner, limit, copies.shrink, colour)
         for picture in copies.pictures
     ]
-
-
-def _difference(cv2: Any, picture: np.ndarray, wall: np.ndarray) -> np.ndarray:
-    """Return how much each pixel differs [steps of 255]."""
-    luma, blue, red = cv2.split(cv2.absdiff(picture, wall))
-    return np.asarray(cv2.max(luma, cv2.multiply(cv2.max(blue, red), _CHROMA)))
 
 
 def _blobs(
@@ -232,7 +215,7 @@ def _blobs(
     colour: np.ndarray | None,
 ) -> Blobs:
     """Return the blobs of one picture, which begins at a corner of the whole one."""
-    apart = cv2.GaussianBlur(_difference(cv2, picture, wall), (3, 3), 0)
+    apart = cv2.GaussianBlur(difference(picture, wall), (3, 3), 0)
     _, mask = cv2.threshold(apart, limit, 1, cv2.THRESH_BINARY)
     if colour is not None:
         low, high = colour - _SAME_COLOUR * _WEIGHTS, colour + _SAME_COLOUR * _WEIGHTS
@@ -285,8 +268,3 @@ def _split(
         colours = (np.median(each[core], axis=0) for each in (picture, wall))
         rows.append((*place, minor, major, typical, *np.concatenate(list(colours))))
     return rows
-
-
-def import_cv2() -> Any:
-    """Return OpenCV."""
-    return import_extra("cv2", "video", "finding balls and drawing on videos")

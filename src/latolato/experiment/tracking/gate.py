@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from latolato.experiment.tracking.detect import import_cv2
+from latolato.experiment.opencv import import_cv2
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import (

@@ -31,21 +31,26 @@ _CLEAR, _CLEAREST, _FAINT, _LONG = 12.0, 40.0, 0.25, 0.15
 # Colours that differ by so many steps of 255 are hardly alike; light counts half, for it changes
 # with shading. The least share of a colour in a smear, and how much directions of colour count.
 ALIKE, WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
-# By which factor a way changes more than it typically does in a leap.
-_LEAPS = 4.0
+# By which factor a leap is longer than the steps before and after it, and the share of a long step
+# from which one is fast.
+_LEAPS, _FAST = 2.0, 0.4
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.
 _UNLIKE, _MOST_UNLIKE = 0.4, 4.0
 # How quickly the look of a chain follows that of its blobs, and how many that ended are kept.
 _FOLLOWS, _ENDS = 0.2, 30
+# What a blob is worth at most that is not what is looked for, as a share of one that is.
+_UNLIKELY = 0.3
 # What a blob at a click is worth, and how near it must be: radii and pixels.
 _CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
 # By how much of the arm the distance from where a pivot is clicked varies: by tilts and by drives.
 _DRIVEN = 0.35
-# By how much colours [steps of 255], radii and ways of two balls may differ, and in which share of
-# the frames that show the one the other is seen.
-_SAME_COLOUR, _AS_LARGE, _AS_FAR, _TWICE = 45.0, 1.7, 0.3, 0.4
+# By how much colours [steps of 255], radii, lengths and ways of two balls may differ, in which
+# share of the frames in which the one moves the other is seen, and in which share two that were
+# linked apart may be at one place, as where their blobs merge.
+_SAME_COLOUR, _AS_LARGE, _AS_LONG, _AS_FAR, _TWICE = 45.0, 1.7, 2.5, 0.3, 0.4
+_AT_ONE_PLACE = 0.05
 # A blob that is where others are in this share of the frames rests.
 _RESTS = 0.5
 
@@ -83,21 +88,31 @@ class Trajectory:
     def travel(self) -> float:
         """How far it typically goes without a leap [pixels].
 
-        That is the mean extent of its parts between leaps. In a leap its way from frame to frame
-        changes by more than its radius, by more than half and by much more than it typically does.
+        That is the mean extent of its parts between leaps, by the ways gone there: how long it
+        rests does not count. A leap is a step that is longer than those before and after it lead to
+        expect: at an impact a ball turns, but does not leap.
         """
         known = np.flatnonzero(self.is_seen)
         at = self.places[known]
         if len(at) < 3:
             return 0.0
-        speeds = np.diff(at, axis=0) / np.diff(known)[:, None]
-        turns = np.linalg.norm(np.diff(speeds, axis=0), axis=1)
-        ways = np.linalg.norm(0.5 * (speeds[1:] + speeds[:-1]), axis=1)
-        usual = np.maximum(self.radius + 1.0, _LEAPS * float(np.median(turns)))
-        leaps = np.flatnonzero(turns > np.maximum(usual, 0.5 * ways)) + 1
+        ways, frames = np.linalg.norm(np.diff(at, axis=0), axis=1), np.diff(known)
+        speeds = np.pad(ways / frames, 1, mode="edge")
+        expected = frames * np.maximum(speeds[:-2], speeds[2:])
+        leaps = np.flatnonzero(ways > self.radius + 1.0 + _LEAPS * expected) + 1
         parts = np.split(at, leaps)
-        extents = [float(np.hypot(*np.ptp(part, axis=0))) for part in parts if len(part)]
-        return float(np.average(extents, weights=[len(part) for part in parts if len(part)]))
+        extents = [float(np.hypot(*np.ptp(part, axis=0))) for part in parts]
+        gone = [float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum()) for part in parts]
+        return float(np.average(extents, weights=gone)) if sum(gone) > 0.0 else 0.0
+
+    @property
+    def moves(self) -> np.ndarray:
+        """In which frames it is seen to go about as fast as it ever does, shape (frame,)."""
+        ways = np.linalg.norm(np.diff(self.places, axis=0, append=np.nan), axis=1)
+        if not np.isfinite(ways).any():
+            return self.is_seen
+        with np.errstate(invalid="ignore"):
+            return np.asarray(ways > _FAST * np.nanquantile(ways, 0.95))
 
     @property
     def extent(self) -> np.ndarray:
@@ -113,10 +128,17 @@ def are_alike(first: Trajectory, other: Trajectory) -> bool:
     one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
     is_alike = float(np.linalg.norm((one - two) * WEIGHTS)) < _SAME_COLOUR
     is_as_large = 1.0 / _AS_LARGE < other.radius / first.radius < _AS_LARGE
+    # How long it is where it is slow, and not smeared.
+    long, short = sorted(float(np.nanquantile(each.lengths, 0.1)) for each in (first, other))[::-1]
+    is_as_long = long < _AS_LONG * short
     goes_as_far = other.travel > _AS_FAR * first.travel
-    is_other = np.nanmedian(np.linalg.norm(first.places - other.places, axis=1)) > first.radius
-    is_often = other.is_seen.mean() > _TWICE * first.is_seen.mean()
-    return bool(is_alike and is_as_large and goes_as_far and is_other and is_often)
+    # Balls are never at one place; a thing that is one's path up to an impact and then the other's
+    # is no second ball.
+    apart = np.linalg.norm(first.places - other.places, axis=1)
+    is_other = np.nanquantile(apart, _AT_ONE_PLACE) > first.radius
+    # Where balls rest against each other, they may be one blob.
+    is_often = other.is_seen[first.moves].mean() > _TWICE
+    return bool(is_alike and is_as_large and is_as_long and goes_as_far and is_other and is_often)
 
 
 def best_chain(
@@ -354,14 +376,16 @@ def link_clicked(
     return _taken(blobs, best_chain(blobs, worths, radius or 2.0 * copies.shrink))
 
 
-def link_alike(blobs: list[Blobs], first: Trajectory) -> Trajectory | None:
-    """Return the path of another ball like one that was linked, by the blobs that are left."""
-    if not first.is_seen.any():
-        return None
+def link_alike(
+    blobs: list[Blobs], first: Trajectory, dear: float = 1.0
+) -> tuple[Trajectory, list[Blobs]]:
+    """Return the path of what looks like something that was linked, and the blobs that are left.
+
+    Leaps cost more than usual by the factor `dear`.
+    """
     colour, clear = np.nanmedian(first.colours, axis=0), _clear(blobs)
-    worths = [worth_of(each, clear, colour, first.radius) for each in blobs]
-    other, _ = _taken(blobs, best_chain(blobs, worths, first.radius))
-    return other if are_alike(first, other) else None
+    worths = [worth_of(each, clear, colour, first.radius) - _UNLIKELY for each in blobs]
+    return _taken(blobs, best_chain(blobs, worths, first.radius, dear))
 
 
 def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:

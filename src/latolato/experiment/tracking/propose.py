@@ -11,7 +11,13 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.link import Trajectory, are_alike, link_clicked, link_movers
+from latolato.experiment.tracking.link import (
+    Trajectory,
+    are_alike,
+    link_alike,
+    link_clicked,
+    link_movers,
+)
 from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
@@ -20,12 +26,15 @@ from latolato.experiment.video import Frame, Video
 # How many things that move are looked at for each price of leaps, and how many places of each are
 # enough for a circle.
 _MOVERS, _ENOUGH = 4, 120
-# Fewest frames, share of the frames and way in radii that show a ball.
+# Fewest frames, share of the frames and way in radii that show a ball. The other one of a pair may
+# be seen more seldom, for they may rest in one blob.
 _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 2.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
+# Share of its likeness that a ball keeps at least where it is linked again by its look.
+_AGAIN = 0.7
 # How much longer than wide a thing is a rod, and no ball.
 _LONG = 5.0
 # How far off a circle something is half as likely a ball: pixels and share of its way.
@@ -98,11 +107,10 @@ def propose(
 
     Notes
     -----
-    What differs from the median over time is linked through all frames; balls are what goes far on
+    What differs from the background is linked through all frames; balls are what goes far on
     a circle. That is fitted together with one harmonic of the pivot; if the residual is too large,
     the pivot is followed in the picture from the circle's centre, and both are repeated until they
-    agree. It can miss: balls that rest in most of the clip, balls of the wall's colour, arcs of
-    less than about 20 degrees.
+    agree. It can miss: balls of the wall's colour, and arcs of less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     if balls is None:
@@ -120,7 +128,11 @@ def propose(
         starts = [track.places[sample.click] for track in tracks]
     hinge = known
     if pivot is None:
-        orbit = _pivot(video, sample, [undistorted(t.places, size, lens) for t in tracks])
+        # Where only one of two balls is seen, it may be both of them in one blob.
+        both = np.all([track.is_seen for track in tracks], axis=0)
+        clear = both if both.sum() >= _FEWEST else np.ones(len(both), bool)
+        places = [np.where(clear[:, None], track.places, np.nan) for track in tracks]
+        orbit = _pivot(video, sample, [undistorted(each, size, lens) for each in places])
         hinge = None if orbit is None else distorted(orbit.centre, size, lens)
     starts.sort(key=lambda ball: -float(ball[0]))
     setup = Setup(
@@ -136,7 +148,8 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
     """Return the one or two of the things that move that swing."""
     tracks = [track for dear in _DEAR for track in link_movers(sample.copies, _MOVERS, dear)]
     scored = [(*_score(track, sample.times, pivot), track) for track in tracks]
-    best, _, first = max(scored, key=lambda one: one[0], default=(0.0, math.inf, None))
+    often = [one for one in scored if one[2].is_seen.mean() > _SEEN]
+    best, _, first = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
     if first is None or not best > 0.0:
         raise InputError("no moving ball was found", way_out="point at pivot and ball")
     if _is_rod(first):
@@ -144,6 +157,12 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
             "what moves is long and thin, and no ball stands out from it",
             way_out="point at pivot and ball",
         )
+    # Its look is known now: it and another ball like it are linked again by that.
+    again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
+    if _score(again, sample.times, pivot)[0] > _AGAIN * best:
+        first = again
+    other, _ = link_alike(left, first, _DEAR[0])
+    scored.append((*_score(other, sample.times, pivot), other))
     others = [
         (score, track)
         for score, off, track in scored
@@ -165,7 +184,7 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     that by 1 or more.
     """
     share, travel = float(track.is_seen.mean()), track.travel
-    if track.is_seen.sum() < _FEWEST or share < _SEEN:
+    if track.is_seen.sum() < _FEWEST:
         return 0.0, math.inf
     if travel < max(_TRAVELS * track.radius, _ALL_WAY * float(np.hypot(*track.extent))):
         return 0.0, math.inf

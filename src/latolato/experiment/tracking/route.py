@@ -8,8 +8,16 @@ from functools import cached_property
 
 import numpy as np
 
-from latolato.experiment.tracking.detect import Blobs, Copies, detect, import_cv2
-from latolato.experiment.tracking.link import ALIKE, WEIGHTS, Trajectory, link_alike, link_clicked
+from latolato.experiment.opencv import import_cv2
+from latolato.experiment.tracking.detect import Blobs, Copies, detect
+from latolato.experiment.tracking.link import (
+    ALIKE,
+    WEIGHTS,
+    Trajectory,
+    are_alike,
+    link_alike,
+    link_clicked,
+)
 
 # Frames without a detection that are bridged, and how far apart the ends of a longer gap may be
 # for a ball to have rested there [radii].
@@ -232,10 +240,11 @@ def find_route(
         if stays:
             places[:, b] = traced
     detected = places.copy()
+    touching = np.full_like(places, np.nan)
     if len(tracks) == 2:
-        filled = _bridged(times, places, size)
-        near = np.linalg.norm(filled[:, 0] - filled[:, 1], axis=-1) < _MERGED * size
-        is_one = near & (np.isfinite(places[..., 0]).sum(axis=1) == 1)
+        is_one = _are_one(times, places, size)
+        if pivots[0] is not None:
+            touching[is_one] = _touching(np.nanmean(places[is_one], axis=1), pivots[0], size)
         places[is_one] = detected[is_one] = np.nan
     sizes = np.stack([track.radii for track in tracks], axis=1)
     with np.errstate(invalid="ignore"):
@@ -247,17 +256,49 @@ def find_route(
         )
     is_seen = np.isfinite(places[..., 0]) & is_whole
     places = _bridged(times, places, size)
-    # Where nothing better is known, a part of a ball tells where it is.
-    places = np.where(np.isfinite(places), places, detected)
+    # Where nothing better is known, a part of a ball tells where it is, or a blob of both.
+    for rough in (detected, touching):
+        places = np.where(np.isfinite(places), places, rough)
     route = Route(times, places, is_seen, size, detected_radius, is_traced=any(is_traced))
     if len(tracks) == 1:
-        route.meets = _meeting(times, tracks[0], link_alike(left, tracks[0]))
+        route.meets = _meeting(times, tracks[0], left)
     return replace(route, exposure=_exposure(route, tracks))
 
 
-def _meeting(times: np.ndarray, first: Trajectory, other: Trajectory | None) -> float:
-    """Return when two balls come near each other for the first time [s], NaN if they never do."""
-    if other is None:
+def _are_one(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray:
+    """Return in which frames two balls (frame, ball, 2) may be one blob, as where they touch.
+
+    Only one is seen there, and the other is near it by its neighbours in time: on a smooth curve,
+    or where it was last seen before or is first seen after.
+    """
+    filled, frames = _bridged(times, places, radius), np.arange(len(times))
+    result = np.zeros(len(times), bool)
+    for b in range(2):
+        known = np.flatnonzero(np.isfinite(places[:, b, 0]))
+        if not len(known):
+            continue
+        later = np.searchsorted(known, frames)
+        around = [known[np.clip(k, 0, len(known) - 1)] for k in (later - 1, later)]
+        for other in (filled[:, b], *(places[k, b] for k in around)):
+            apart = np.linalg.norm(filled[:, 1 - b] - other, axis=-1)
+            result |= np.isnan(places[:, b, 0]) & (apart < _MERGED * radius)
+    return np.asarray(result & (np.isfinite(places[..., 0]).sum(axis=1) == 1))
+
+
+def _touching(middles: np.ndarray, pivot: np.ndarray, radius: float) -> np.ndarray:
+    """Return the places (frame, ball, 2) of balls that touch, one on each side of their middle."""
+    down = middles - pivot
+    down = down / np.linalg.norm(down, axis=1, keepdims=True)
+    across = radius * np.column_stack([down[:, 1], -down[:, 0]])
+    return np.stack([middles + across, middles - across], axis=1)
+
+
+def _meeting(times: np.ndarray, first: Trajectory, left: list[Blobs]) -> float:
+    """Return when a ball first comes near one like it [s], NaN if it never does."""
+    if not first.is_seen.any():
+        return math.nan
+    other, _ = link_alike(left, first)
+    if not are_alike(first, other):
         return math.nan
     apart = np.linalg.norm(first.places - other.places, axis=1)
     # A NaN is not near: where they touch, they are one blob.

@@ -10,7 +10,8 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.tracking.detect import Copies, import_cv2, small_picture
+from latolato.experiment.opencv import import_cv2
+from latolato.experiment.tracking.detect import Copies, small_picture
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
 

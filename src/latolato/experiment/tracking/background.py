@@ -1,0 +1,128 @@
+"""The picture of a clip without what moves, also where a ball rests in most of the clip.
+
+The median of each pixel over time shows what is there in most frames. Where a ball rests for longer
+than it swings, as after a collision or in a hand, that is the ball, and its absence would look like
+a thing of its own. Such a pixel has a second steady colour: that of the frames that differ from the
+median, if these agree with each other. Of the two pictures that this makes of a place, one shows
+the outline of a thing, and the other one the background: its colours go on across that outline.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from latolato.experiment.opencv import import_cv2
+
+# Frames of which the picture is made.
+_SAMPLED = 61
+# Differences of colour count more than those of light, which shadows have too.
+_CHROMA = 2
+# A difference is one above this many standard deviations of the noise, and above some steps of 255.
+_CLEAR, _LEAST = 6.0, 9.0
+# Fewest frames that make a second colour steady, the part of the largest difference from which they
+# show it, and the part of a clear difference by which half of them differ from it at most.
+_FEWEST, _CLEARLY, _STEADY = 3, 0.7, 0.5
+# Fewest pixels that make a thing, the share of them that differs in a picture without it, and how
+# far its rim reaches beyond [pixels].
+_SMALLEST, _WHOLLY, _RIM = 6, 0.8, 2
+# By which factor the outline of a thing is at least fainter in the picture without it.
+_FAINTER = 0.6
+
+
+def background_of(pictures: np.ndarray) -> np.ndarray:
+    """Return the picture (row, column, 3) of what rests behind all that is ever elsewhere.
+
+    `pictures` are those of all frames, shape (frame, row, column, 3): luma, blue and red chroma
+    [steps of 255]. What never leaves its place is a part of the background.
+    """
+    count = len(pictures)
+    some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED)).astype(int))
+    middle = len(some) // 2
+    # By strips of rows: the pictures of a whole clip need not be in memory twice.
+    strips = (
+        np.partition(pictures[some, row : row + 32], middle, axis=0)[middle]
+        for row in range(0, pictures.shape[1], 32)
+    )
+    median = np.concatenate(list(strips))
+    return _uncovered(median, pictures[some])
+
+
+def difference(picture: np.ndarray, wall: np.ndarray) -> np.ndarray:
+    """Return how much each pixel differs [steps of 255]."""
+    cv2 = import_cv2()
+    luma, blue, red = cv2.split(cv2.absdiff(picture, wall))
+    return np.asarray(cv2.max(luma, cv2.multiply(cv2.max(blue, red), _CHROMA)))
+
+
+def clear_difference(pictures: np.ndarray, wall: np.ndarray) -> float:
+    """Return from which difference on a pixel differs by more than noise [steps of 255]."""
+    some = pictures[:: max(1, len(pictures) // 12)]
+    typical = np.median([difference(picture, wall) for picture in some], axis=0)
+    return max(_LEAST, _CLEAR * (1.4826 * float(np.median(typical)) + 0.3))
+
+
+def _uncovered(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:
+    """Return a median picture, with the background where something rests that moves at times."""
+    cv2 = import_cv2()
+    limit = clear_difference(pictures, median)
+    apart = np.stack([difference(picture, median) for picture in pictures])
+    rows, columns = np.nonzero((apart > limit).sum(axis=0) >= _FEWEST)
+    if not len(rows):
+        return median
+    # A thing that rests a little aside differs too, but less than what is behind it.
+    at = apart[:, rows, columns].astype(np.float32)
+    most = np.partition(at, -_FEWEST, axis=0)[-_FEWEST]
+    shows = at >= np.maximum(_CLEARLY * most, limit)
+    values = np.where(shows[..., None], pictures[:, rows, columns].astype(np.float32), np.nan)
+    second = np.nanmedian(values, axis=0)
+    is_steady = np.nanmedian(np.abs(values - second).max(axis=-1), axis=0) < _STEADY * limit
+    rows, columns, shows = rows[is_steady], columns[is_steady], shows[:, is_steady]
+    change = np.zeros(median.shape, np.float32)
+    change[rows, columns] = _weighted(second[is_steady]) - _weighted(median[rows, columns])
+    # A thing and what it leaves behind differ from each other in opposite ways.
+    _, ways = np.linalg.eigh(np.einsum("jic,jid->cd", change, change))
+    way = change @ ways[:, -1]
+    result = median.copy()
+    for side in (way > 0.0, way < 0.0):
+        count, labels, stats, _ = cv2.connectedComponentsWithStats(side.astype(np.uint8))
+        own = labels[rows, columns]
+        for number in range(1, count):
+            is_away = shows[:, own == number].mean(axis=1) > _WHOLLY
+            if stats[number][4] >= _SMALLEST and is_away.sum() >= _FEWEST:
+                _take_away(result, median, pictures[is_away], labels == number)
+    return result
+
+
+def _take_away(
+    result: np.ndarray, median: np.ndarray, pictures: np.ndarray, thing: np.ndarray
+) -> None:
+    """Write what is behind a thing into `result` if the median shows its outline.
+
+    `pictures` are those in which its pixels, the `thing`, are different: those without it if it is
+    one, and those with it if the median shows the background.
+    """
+    cv2 = import_cv2()
+    x, y, width, height = cv2.boundingRect(thing.astype(np.uint8))
+    part = np.s_[
+        max(0, y - _RIM - 2) : y + height + _RIM + 2, max(0, x - _RIM - 2) : x + width + _RIM + 2
+    ]
+    mask, square = thing[part].astype(np.uint8), np.ones((2 * _RIM + 1,) * 2, np.uint8)
+    whole = cv2.dilate(mask, square) > 0
+    other = np.median(pictures[(slice(None), *part)], axis=0).astype(np.uint8)
+    without = np.where(whole[..., None], other, median[part])
+    outline = whole & (cv2.erode(mask, square, borderValue=0) == 0)
+    if _steps(without)[outline].mean() < _FAINTER * _steps(median[part])[outline].mean():
+        result[part][whole] = without[whole]
+
+
+def _steps(picture: np.ndarray) -> np.ndarray:
+    """Return how much colours change from pixel to pixel, shape (row, column)."""
+    cv2 = import_cv2()
+    weighted = _weighted(picture)
+    across, down = (cv2.Sobel(weighted, cv2.CV_32F, dx, 1 - dx) for dx in (1, 0))
+    return np.asarray(np.sqrt((across**2 + down**2).sum(axis=-1)))
+
+
+def _weighted(picture: np.ndarray) -> np.ndarray:
+    """Return light and colours by how much they count, shape (row, column, 3)."""
+    return picture.astype(np.float32) * np.array([1.0, _CHROMA, _CHROMA], np.float32)

@@ -1,0 +1,95 @@
+"""Balls that rest for longer than they move: what is behind them, and where they are."""
+
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.tracking.background import background_of
+from latolato.experiment.tracking.link import Trajectory, are_alike
+from latolato.experiment.tracking.route import _are_one, _touching
+
+WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
+
+
+def pictures(places, *, texture=0.0, seed=0):
+    """Return small pictures of a disc at places on a thin rod, shape (frame, 60, 80, 3)."""
+    rng = np.random.default_rng(seed)
+    rows, columns = np.mgrid[:60, :80]
+    wall = WALL + texture * rng.standard_normal((60, 80, 1))
+    out = []
+    for u, v in places:
+        picture = wall + rng.normal(0.0, 0.5, (60, 80, 3))
+        along = np.clip((rows - 5.0) / (v - 5.0), 0.0, 1.0)
+        is_rod = (np.abs(columns - (40.0 + along * (u - 40.0))) < 1.0) & (rows > 5) & (rows < v)
+        is_ball = np.hypot(columns - u, rows - v) < 7.0
+        picture[is_rod], picture[is_ball] = (60, 128, 128), BALL
+        out.append(picture)
+    return np.rint(np.clip(out, 0, 255)).astype(np.uint8), wall
+
+
+@pytest.mark.parametrize("texture", [0.0, 8.0])
+@pytest.mark.parametrize("resting", ["at the end", "at first", "never"])
+def test_the_background_is_the_wall_wherever_a_ball_rests(resting, texture):
+    swing = 40.0 + 30.0 * np.cos(np.linspace(0.0, 12.0, 30)), np.full(30, 45.0)
+    still = {"at the end": (40.0, 46.0), "at first": (70.0, 30.0), "never": None}[resting]
+    moving = np.column_stack(swing)
+    rest = np.tile(still, (70, 1)) if still else np.empty((0, 2))
+    places = np.concatenate([rest, moving] if resting == "at first" else [moving, rest])
+    seen, wall = pictures(places, texture=texture)
+    off = np.abs(background_of(seen) - wall).max(axis=-1)
+    # All of the ball and its rod but for their ends at the pivot, where the rod always is.
+    assert np.quantile(off[12:], 0.999) < 6.0 + 0.5 * texture
+
+
+def test_what_never_leaves_its_place_belongs_to_the_background():
+    seen, _ = pictures(np.tile([40.0, 45.0], (40, 1)))
+    assert np.abs(background_of(seen)[42:49, 37:44] - BALL).max() < 6
+
+
+def test_a_path_that_changes_balls_at_an_impact_is_no_second_ball():
+    angle = 0.8 * np.cos(np.linspace(0.0, 9.0, 90))
+
+    def path(sides):
+        places = 200.0 * np.column_stack([sides * np.abs(np.sin(angle)), np.cos(angle)])
+        places[:, 0] += sides * 10.0
+        one = np.full(90, 10.0)
+        return Trajectory(places, one, one, np.tile(BALL, (90, 1)).astype(float))
+
+    right, left = path(np.ones(90)), path(-np.ones(90))
+    crossing = path(np.where(np.arange(90) < 45, 1.0, -1.0))
+    assert are_alike(right, left)
+    assert not are_alike(right, crossing)
+
+
+def test_two_balls_in_one_blob_are_one_on_each_side_of_it():
+    times = np.arange(60) / 60.0
+    places = np.full((60, 2, 2), np.nan)
+    places[:20, 0] = np.column_stack([np.linspace(180.0, 112.0, 20), np.full(20, 200.0)])
+    places[:20, 1] = np.column_stack([np.linspace(20.0, 88.0, 20), np.full(20, 200.0)])
+    places[20:, 0] = [100.0, 200.0]  # what is seen there is both
+    is_one = _are_one(times, places, 10.0)
+    assert is_one[20:].all()
+    assert not is_one[:20].any()
+    touching = _touching(places[20:, 0], np.array([100.0, 0.0]), 10.0)
+    np.testing.assert_allclose(np.sort(touching[..., 0], axis=1), np.tile([90.0, 110.0], (40, 1)))
+    # One that is out of sight somewhere else is not in the blob.
+    places[:20, 1, 0] -= 200.0
+    assert not _are_one(times, places, 10.0).any()
+
+
+def test_a_toy_that_comes_to_rest_is_found_and_followed_to_the_end(tmp_path):
+    toy = ll.LatoLato(length=0.245, mass=0.108, radius=0.02, restitution=0.4, damping=0.003)
+    drive = ll.Harmonic(drive_amplitude=0.01, drive_frequency=16.0)
+    run = ll.simulate(toy, drive, initial_angle=1.2, duration=3.0)
+    camera = Camera(width=480, height=360, fps=60.0)
+    truth = synthesise_video(run, tmp_path / "toy.mp4", Scene(), camera, seed=2)
+    with pytest.warns(RuntimeWarning, match="found in the video"):
+        table = ll.track(tmp_path / "toy.mp4", balls=2, length=0.245)
+    for ball in (1, 2):
+        is_measured = table[f"flag_{ball}"].isin(["ok", "collision"]).values
+        assert is_measured.mean() > 0.97
+        off = (table[f"angle_{ball}"].values - truth[f"angle_{ball}"].values)[is_measured]
+        assert np.sqrt(np.mean(off**2)) < 3e-3
+        assert np.mean(np.abs(off) < 2.0 * table[f"angle_sigma_{ball}"].values[is_measured]) > 0.93
