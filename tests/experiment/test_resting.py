@@ -4,10 +4,13 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.core.errors import InputError
+from latolato.experiment.follow import _check_motion
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking.background import background_of
 from latolato.experiment.tracking.link import Trajectory, are_alike
+from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.route import _are_one, _touching
 
 WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
@@ -77,6 +80,19 @@ def test_two_balls_in_one_blob_are_one_on_each_side_of_it():
     # One that is out of sight somewhere else is not in the blob.
     places[:20, 1, 0] -= 200.0
     assert not _are_one(times, places, 10.0).any()
+
+
+def test_what_leaps_about_at_its_place_and_is_often_lost_is_no_ball():
+    times = np.arange(100) / 60.0
+    seen = Positions.unknown(times, 1, 3.0)
+    seen.flags[:] = "ok"
+    seen.centres[:, 0] = [455.0, 220.0]
+    seen.centres[:, 0] += np.random.default_rng(1).normal(0.0, 1.2, (100, 2))
+    _check_motion(seen, 0.9)  # a ball at rest that is always seen
+    with pytest.raises(InputError, match="rests: it leaps about"):
+        _check_motion(seen, 0.5)
+    seen.centres[:, 0, 0] = 455.0 + 4.0 * np.sin(5.0 * times)
+    _check_motion(seen, 0.5)  # a small swing
 
 
 def test_a_toy_that_comes_to_rest_is_found_and_followed_to_the_end(tmp_path):

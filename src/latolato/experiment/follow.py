@@ -209,6 +209,8 @@ def _followed(
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
     _check_distances(scene, route, seen.pivots)
+    if route.is_traced:
+        _check_motion(seen, seen.clean_share(~sample.repeats))
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, seen, balls, declared)
 
@@ -281,6 +283,27 @@ def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     has_lens = bool(optics.lens_k1 or optics.lens_k2)
     circle = unseen_circle(places, size, declared=declared, has_lens=has_lens)
     return circle, doubt_about(seen.times, places, circle)
+
+
+def _check_motion(seen: Positions, clean: float) -> None:
+    """Refuse what hardly leaves its place and is often lost if it leaps about instead of swinging.
+
+    From frame to frame a swing goes less far than it goes in all; noise goes farther.
+    """
+    follows = seen.is_measured[1:] & seen.is_measured[:-1]
+    if clean > _SELDOM or not follows.any():
+        return
+    steps, places = np.diff(seen.centres, axis=0)[follows], seen.centres[seen.is_measured]
+    u, v = places.mean(axis=0)
+    step, scatter = (
+        float(np.sqrt(np.mean(np.sum(away**2, axis=-1)))) for away in (steps, places - [u, v])
+    )
+    if step > scatter:
+        raise InputError(
+            f"what was taken for the ball, at ({u:.0f}, {v:.0f}), rests: it leaps about by "
+            f"{scatter:.1f} pixels without swinging",
+            way_out="point at the middle of a ball that moves",
+        )
 
 
 def _believed(
