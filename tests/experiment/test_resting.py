@@ -103,6 +103,7 @@ def test_a_toy_that_comes_to_rest_is_found_and_followed_to_the_end(tmp_path):
     truth = synthesise_video(run, tmp_path / "toy.mp4", Scene(), camera, seed=2)
     with pytest.warns(RuntimeWarning, match="found in the video"):
         table = ll.track(tmp_path / "toy.mp4", balls=2, length=0.245)
+    assert "too slow" not in table.attrs["warnings"]  # rest tells no pace
     for ball in (1, 2):
         is_measured = table[f"flag_{ball}"].isin(["ok", "collision"]).values
         assert is_measured.mean() > 0.97

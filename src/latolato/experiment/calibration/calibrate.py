@@ -38,6 +38,8 @@ from latolato.experiment.tracking.positions import Positions
 _JUMP, _ASIDE = 4.0, 0.02
 # How near its circle a ball is whose string is taut, as a share of the radius.
 _TAUT = 0.05
+# Distance of two balls that may rest against each other, in radii: that of contact and its error.
+_TOUCH = 2.1
 
 
 @dataclass
@@ -265,7 +267,7 @@ def _motion(
     if angles.shape[1] == 2:
         apart = np.linalg.norm(away[:, 0] - away[:, 1], axis=-1)
         closing = np.abs(np.gradient(apart))
-        is_free &= (apart > 2.0 * seen.radius + 1.5 * closing)[:, None]
+        is_free &= (apart > _TOUCH * seen.radius + 1.5 * closing)[:, None]
     places = pivots / arm * [1.0, -1.0]
     return Motion(seen.times, np.where(is_taut, angles, np.nan), places, is_free)
 

@@ -22,6 +22,8 @@ _LARGEST = 0.98
 _CLEAR = 3.0
 # Longest time between samples of a window, in typical ones.
 _GAP = 4.5
+# Share of the size of sines below which they cancel.
+_CANCELS = 0.02
 # What the equation may leave over, as a share of the accelerations.
 _LEFT_OVER = 0.02
 
@@ -44,7 +46,7 @@ class Swing(NamedTuple):
     """What a swing tells, each with its standard deviation.
 
     `direction` of gravity from what angles are measured from [rad], `stiffness`, gravity over
-    length in the clip's time [1/s^2].
+    length in the clip's time [1/s^2], whose deviation is infinite where nothing tells it.
     """
 
     direction: float
@@ -106,7 +108,11 @@ def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
     is_explained = squares < float(np.sum(weights * (_LEFT_OVER * stiffness * pull) ** 2))
     if not (is_explained and stiffness > sigmas[1]):
         return None
-    return Swing(float(direction), float(sigmas[0]), float(stiffness), float(sigmas[1]))
+    # Sines of two balls that mirror each other, or rest against each other, cancel: they show where
+    # down is, but fit any gravity.
+    tells = np.abs(sine) > _CANCELS * pull
+    unsure = float(sigmas[1]) if tells.sum() >= _FEWEST else math.inf
+    return Swing(float(direction), float(sigmas[0]), float(stiffness), unsure)
 
 
 def windows(motion: Motion, width: float, *, is_driven: bool = False) -> np.ndarray:
