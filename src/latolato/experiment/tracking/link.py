@@ -33,7 +33,7 @@ _CLEAR, _CLEAREST, _FAINT, _LONG = 12.0, 40.0, 0.25, 0.15
 ALIKE, WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.5
 # By which factor a leap is longer than the steps before and after it, and the share of a long step
 # from which one is fast.
-_LEAPS, _FAST = 2.0, 0.4
+_LEAPS, _FAST = 2.0, 0.6
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.

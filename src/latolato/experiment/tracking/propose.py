@@ -33,8 +33,6 @@ _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 2.0
 _DEAR = 6.0, 1.0
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
-# Share of its likeness that a ball keeps at least where it is linked again by its look.
-_AGAIN = 0.7
 # How much longer than wide a thing is a rod, and no ball.
 _LONG = 5.0
 # How far off a circle something is half as likely a ball: pixels and share of its way.
@@ -157,12 +155,12 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
             "what moves is long and thin, and no ball stands out from it",
             way_out="point at pivot and ball",
         )
-    # Its look is known now: it and another ball like it are linked again by that.
+    # Its look is known now: it and another ball like it are linked again by that, apart.
     again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
-    if _score(again, sample.times, pivot)[0] > _AGAIN * best:
-        first = again
-    other, _ = link_alike(left, first, _DEAR[0])
-    scored.append((*_score(other, sample.times, pivot), other))
+    other, _ = link_alike(left, again, _DEAR[0])
+    score, off = _score(other, sample.times, pivot)
+    if count != 1 and score > 0.0 and off < 1.0 and are_alike(again, other):
+        return [again, other]
     others = [
         (score, track)
         for score, off, track in scored
