@@ -20,7 +20,7 @@ _CHROMA = 2
 # A difference is one above this many standard deviations of the noise, and above some steps of 255.
 _CLEAR, _LEAST = 6.0, 9.0
 # Fewest frames that make a second colour steady, the part of the largest difference from which they
-# show it, and the part of a clear difference by which half of them differ from it at most.
+# show it, and the part of a clear difference by which they typically differ from it at most.
 _FEWEST, _CLEARLY, _STEADY = 3, 0.7, 0.5
 # Fewest pixels that make a thing, the share of them that differs in a picture without it, and how
 # far its rim reaches beyond [pixels].
@@ -73,9 +73,11 @@ def _uncovered(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:
     at = apart[:, rows, columns].astype(np.float32)
     most = np.partition(at, -_FEWEST, axis=0)[-_FEWEST]
     shows = at >= np.maximum(_CLEARLY * most, limit)
-    values = np.where(shows[..., None], pictures[:, rows, columns].astype(np.float32), np.nan)
-    second = np.nanmedian(values, axis=0)
-    is_steady = np.nanmedian(np.abs(values - second).max(axis=-1), axis=0) < _STEADY * limit
+    values = pictures[:, rows, columns].astype(np.float32)
+    weights = shows / shows.sum(axis=0, dtype=np.float32)
+    second = np.einsum("fp,fpc->pc", weights, values)
+    apart_from_it = np.abs(values - second).max(axis=-1)
+    is_steady = np.einsum("fp,fp->p", weights, apart_from_it) < _STEADY * limit
     rows, columns, shows = rows[is_steady], columns[is_steady], shows[:, is_steady]
     change = np.zeros(median.shape, np.float32)
     change[rows, columns] = _weighted(second[is_steady]) - _weighted(median[rows, columns])
