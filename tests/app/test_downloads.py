@@ -112,7 +112,7 @@ def test_the_animation_is_a_film_of_the_run_at_the_speed_asked_for(client, tmp_p
     with av.open(io.BytesIO(arrays["file"].tobytes())) as file:
         stream = file.streams.video[0]
         pictures = [frame.to_ndarray(format="gray") for frame in file.decode(stream)]
-    assert stream.average_rate == FPS
+        assert stream.average_rate == FPS
     assert len(pictures) == 31  # 2 s at twice the speed, both ends
     assert np.abs(pictures[-1].astype(int) - pictures[0]).max() > 100
 
