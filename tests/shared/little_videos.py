@@ -124,10 +124,12 @@ def trimmed(source, path, begin, end=None):
                 packet.stream = copy
                 new.mux(packet)
     if end is not None:
-        # ISO/IEC 14496-12: version and flags, number of edits, then each one's duration [ms here].
+        # ISO/IEC 14496-12: version and flags, number of edits, then each one's duration, in ticks
+        # of the movie, whose header has version and flags, two dates, and the ticks in a second.
         whole = bytearray(path.read_bytes())
+        version, _, _, ticks = struct.unpack_from(">4I", whole, whole.index(b"mvhd") + 4)
         place = whole.index(b"elst") + 8
-        assert struct.unpack_from(">I", whole, place) == (1,)
-        struct.pack_into(">I", whole, place + 4, round(1000 * (end - begin)))
+        assert (version, *struct.unpack_from(">I", whole, place)) == (0, 1)
+        struct.pack_into(">I", whole, place + 4, round(ticks * (end - begin)))
         path.write_bytes(whole)
     return path
