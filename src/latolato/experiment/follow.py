@@ -328,7 +328,12 @@ def _believed(
             f"in {100.0 * share:.0f} % of the samples only ({100.0 * clean:.0f} % are ok)",
             way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
         )
-    _examine(task, sample, seen, balls, radius)
+    for finding in examine(sample, seen, balls, radius):
+        if finding.is_refusal:
+            raise InputError(finding.reason, way_out=finding.way_out)
+        task.warnings.append(f"{finding.reason}; {finding.way_out}")
+        if finding.doubtful is not None:
+            seen.give_up(finding.doubtful)
     share = float(seen.is_measured.mean())
     if factor != 1.0 and share < _OFTEN:
         task.warnings.append(
@@ -337,25 +342,6 @@ def _believed(
     elif seen.clean_share(~sample.repeats) < _SELDOM:
         task.warnings.append(f"{seen.gaps_text(~sample.repeats)}; look at the overlay")
     return seen
-
-
-def _examine(
-    task: Task,
-    sample: Sample,
-    seen: Positions,
-    clicks: list[np.ndarray],
-    radius: float | None = None,
-) -> None:
-    """Give up samples that are not to be believed, or refuse the track as a whole.
-
-    Warnings join the task's list.
-    """
-    for finding in examine(sample, seen, clicks, radius):
-        if finding.is_refusal:
-            raise InputError(finding.reason, way_out=finding.way_out)
-        task.warnings.append(f"{finding.reason}; {finding.way_out}")
-        if finding.doubtful is not None:
-            seen.give_up(finding.doubtful)
 
 
 def _calibrated(

@@ -91,20 +91,25 @@ def _uncovered(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:
         for number in range(1, count):
             is_away = shows[:, own == number].mean(axis=1) > _WHOLLY
             if stats[number][4] >= _SMALLEST and is_away.sum() >= _FEWEST:
-                _take_away(result, median, pictures[is_away], labels == number)
+                _take_away(result, median, pictures[is_away], labels == number, stats[number])
     return result
 
 
 def _take_away(
-    result: np.ndarray, median: np.ndarray, pictures: np.ndarray, thing: np.ndarray
+    result: np.ndarray,
+    median: np.ndarray,
+    pictures: np.ndarray,
+    thing: np.ndarray,
+    box: np.ndarray,
 ) -> None:
     """Write what is behind a thing into `result` if the median shows its outline.
 
     `pictures` are those in which its pixels, the `thing`, are different: those without it if it is
-    one, and those with it if the median shows the background.
+    one, and those with it if the median shows the background. It lies in a `box`, which begins
+    with column, row, width and height.
     """
     cv2 = import_cv2()
-    x, y, width, height = cv2.boundingRect(thing.astype(np.uint8))
+    x, y, width, height = box[:4].tolist()
     part = np.s_[
         max(0, y - _RIM - 2) : y + height + _RIM + 2, max(0, x - _RIM - 2) : x + width + _RIM + 2
     ]

@@ -112,7 +112,7 @@ class Trajectory:
         if not np.isfinite(ways).any():
             return self.is_seen
         with np.errstate(invalid="ignore"):
-            return np.asarray(ways > _FAST * np.nanquantile(ways, 0.95))
+            return np.asarray(ways >= _FAST * np.nanquantile(ways, 0.95))
 
     @property
     def extent(self) -> np.ndarray:

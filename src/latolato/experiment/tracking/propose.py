@@ -157,14 +157,12 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
         )
     # Its look is known now: it and another ball like it are linked again by that, apart.
     again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
-    other, _ = link_alike(left, again, _DEAR[0])
-    score, off = _score(other, sample.times, pivot)
-    if count != 1 and score > 0.0 and off < 1.0 and are_alike(again, other):
+    other, _ = link_alike(left, first, _DEAR[0])
+    pair = [(*_score(track, sample.times, pivot), track) for track in (again, other)]
+    if count != 1 and all(map(_may_swing, pair)) and are_alike(again, other):
         return [again, other]
     others = [
-        (score, track)
-        for score, off, track in scored
-        if score > 0.0 and off < 1.0 and are_alike(first, track)
+        (score, track) for score, _, track in filter(_may_swing, scored) if are_alike(first, track)
     ]
     second = max(others, key=lambda one: one[0], default=None)
     if count == 2 and second is None:
@@ -172,6 +170,12 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
             "only one moving ball was found, not two", way_out="point at pivot and both balls"
         )
     return [first] if second is None or count == 1 else [first, second[1]]
+
+
+def _may_swing(scored: tuple[float, float, Trajectory]) -> bool:
+    """Return whether something may be a ball by its score and by how far it is off a circle."""
+    score, off, _ = scored
+    return score > 0.0 and off < 1.0
 
 
 def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tuple[float, float]:

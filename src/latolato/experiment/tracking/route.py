@@ -243,8 +243,10 @@ def find_route(
     touching = np.full_like(places, np.nan)
     if len(tracks) == 2:
         is_one = _are_one(times, places, size)
-        if pivots[0] is not None:
-            touching[is_one] = _touching(np.nanmean(places[is_one], axis=1), pivots[0], size)
+        known = [pivot for pivot in pivots if pivot is not None]
+        if known:
+            pivot = np.mean(known, axis=0)
+            touching[is_one] = _touching(np.nanmean(places[is_one], axis=1), pivot, size)
         places[is_one] = detected[is_one] = np.nan
     sizes = np.stack([track.radii for track in tracks], axis=1)
     with np.errstate(invalid="ignore"):
