@@ -51,6 +51,13 @@ def test_what_never_leaves_its_place_belongs_to_the_background():
     assert np.abs(background_of(seen)[42:49, 37:44] - BALL).max() < 6
 
 
+def test_a_ball_that_never_leaves_its_place_as_a_whole_is_not_cut():
+    small = 40.0 + 5.0 * np.cos(np.linspace(0.0, 12.0, 61))
+    seen, _ = pictures(np.column_stack([small, np.full(61, 45.0)]))
+    median = np.median(seen, axis=0)
+    assert np.abs(background_of(seen) - median).max() <= 1.0
+
+
 def test_a_path_that_changes_balls_at_an_impact_is_no_second_ball():
     angle = 0.8 * np.cos(np.linspace(0.0, 9.0, 90))
 
