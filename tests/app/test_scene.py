@@ -61,7 +61,7 @@ def test_nothing_of_the_motion_is_outside_of_the_canvas(page, width):
         open_play(page, f"&scenario={name}")
         reach = page.evaluate(
             """async () => {
-              const { handBox } = await import("/js/player/fist.js");
+              const { handBox } = await import("/js/player/pivot.js");
               const { left, right, high, low } = handBox(1);
               return [-left, right, high, -low];
             }"""

@@ -328,7 +328,7 @@ def expected_balls(run: Any, at: float, width: int, height: int) -> dict[str, tu
     angle, pivot = run["angle"].values, run["pivot_height"].values
     x, y = toy.length * np.sin(angle), pivot - toy.length * np.cos(angle)
     reach = float(np.abs(x).max() + toy.radius)
-    # Of the fist half the width; the hand reaches 0.9 of it down and 1.6 up (js/player/fist.js).
+    # Of the fist half the width; the hand reaches 0.9 of it down and 1.6 up (js/player/pivot.js).
     fist = min(0.095 * toy.length, 0.6 * (toy.length - toy.radius))
     low = float(min(y.min() - toy.radius, pivot.min() - 0.9 * fist))
     high = float(max(y.max() + toy.radius, pivot.max() + 1.6 * fist))

@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { before, Motion, range } from "../../../src/latolato/app/static/js/player/motion.js";
-import { crank } from "../../../src/latolato/app/static/js/player/mover.js";
+import { crank } from "../../../src/latolato/app/static/js/player/pivot.js";
 
 const BALLS = [
   { name: "right", row: 0, sign: 1, length: 1, radius: 0.1, mass: 1 },

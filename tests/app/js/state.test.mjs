@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { newest } from "../../../src/latolato/app/static/js/page/api.js";
-import { envelope, isDense } from "../../../src/latolato/app/static/js/player/band.js";
+import { envelope, isDense } from "../../../src/latolato/app/static/js/player/traces.js";
 import { Form } from "../../../src/latolato/app/static/js/page/form.js";
 import { heldOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
 import { withOptions } from "../../../src/latolato/app/static/js/page/links.js";

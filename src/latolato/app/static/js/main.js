@@ -3,12 +3,11 @@
 import { loadRegistry } from "./model/registry.js";
 import { beforePrint, el, notify } from "./page/dom.js";
 import { keep, recall } from "./page/preferences.js";
-import { AddressStore } from "./page/history.js";
 import { speakInPage } from "./page/language.js";
 import { Messages } from "./page/messages.js";
 import { readable, sayLeft } from "./page/link_parts.js";
 import { Share } from "./page/share.js";
-import { format, isReadable, parse } from "./page/state.js";
+import { AddressStore, format, isReadable, parse } from "./page/state.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./page/state.js").Page} Page */

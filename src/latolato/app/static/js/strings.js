@@ -11,7 +11,7 @@
  *   rules: Record<string, {rule?: string, way_out?: string}>}} Language
  */
 
-import { loadJson } from "./kernels/load.js";
+import { loadJson } from "./kernels/files.js";
 
 export const ENGLISH = "en";
 // What a page says until it speaks another language, and where that language lacks a text.

@@ -1,49 +1,14 @@
 /** Compiled modules from their files, in a page, in a worker and in Node.js. */
 
 import { contentOf } from "./content.js";
+import { loadJson, once } from "./files.js";
 import { Kernels } from "./memory.js";
 
 /** @typedef {import("./memory.js").Layout} Layout */
 
-/** @type {Map<string, Promise<any>>} */
-const loaded = new Map();
 // A module of one function that needs simd128: it counts the bits of each byte of a vector.
 const SIMD = new Uint8Array([0, 97, 115, 109, 1, 0, 0, 0, 1, 5, 1, 96, 0, 1, 123, 3, 2, 1, 0, 10, 10,
   1, 8, 0, 65, 0, 253, 15, 253, 98, 11]);
-
-/**
- * A value that is loaded once; after an error loading is tried again.
- * @template T
- * @param {string} name
- * @param {() => Promise<T>} load
- * @returns {Promise<T>}
- */
-function once(name, load) {
-  const result = loaded.get(name) ?? load().catch((error) => {
-    loaded.delete(name);
-    throw error;
-  });
-  loaded.set(name, result);
-  return result;
-}
-
-/**
- * The content of a JSON file, which is loaded once.
- * @param {string} path
- * @returns {Promise<any>}
- */
-export function loadJson(path) {
-  return once(path, async () => (await contentOf(path)).json());
-}
-
-/**
- * The content of a text file, which is loaded once.
- * @param {string} path
- * @returns {Promise<string>}
- */
-export function loadText(path) {
-  return once(path, async () => (await contentOf(path)).text());
-}
 
 /**
  * The layout of the modules: what they contain, and its place in their memory.

@@ -2,7 +2,7 @@
 
 import { axisLimits } from "../player/axis.js";
 import { colour, fitCanvas } from "../page/dom.js";
-import { outline } from "../player/strokes.js";
+import { outline } from "../player/canvas.js";
 import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";

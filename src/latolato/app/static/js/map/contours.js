@@ -1,7 +1,7 @@
 /** Contour lines over a map, with their values on them. */
 
 import { before } from "../player/motion.js";
-import { outline } from "../player/strokes.js";
+import { outline } from "../player/canvas.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */

@@ -1,7 +1,7 @@
 /** What lies over the cells of a map: curves, trials and the cross. */
 
 import { colour } from "../page/dom.js";
-import { outline } from "../player/strokes.js";
+import { outline } from "../player/canvas.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./chart.js").ChartLine} ChartLine */

@@ -2,7 +2,7 @@
 
 import { InputError } from "../model/rules.js";
 import { inPagesWords } from "../page/refusals.js";
-import { loadText } from "../kernels/load.js";
+import { loadText } from "../kernels/files.js";
 import { lookOf } from "./colours.js";
 import { holdsCurves, parseCurves, placedCurve, pointNear } from "./curves.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";

@@ -1,7 +1,7 @@
 /** Handles on a frame: pivot, balls and more, dragged or moved by arrow keys, under a loupe. */
 
 import { el } from "../page/dom.js";
-import { cross, outline } from "../player/strokes.js";
+import { cross, outline } from "../player/canvas.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./screen.js").Screen} Screen */

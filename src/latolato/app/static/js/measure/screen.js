@@ -1,8 +1,8 @@
 /** The video with what was found drawn on it, frame by frame. */
 
 import { colour, el, fitCanvas } from "../page/dom.js";
-import { speedMenu } from "../player/speed.js";
-import { cross, outline } from "../player/strokes.js";
+import { speedMenu } from "../player/clock.js";
+import { cross, outline } from "../player/canvas.js";
 import { DEGREE } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { ClipClock } from "./video_clock.js";

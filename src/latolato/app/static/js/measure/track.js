@@ -7,7 +7,7 @@ import { t } from "../strings.js";
 /** @typedef {import("../page/block.js").Block} Block */
 /** @typedef {import("../player/curves.js").Panel} Panel */
 /** @typedef {import("../player/curves.js").Curve} Curve */
-/** @typedef {import("../player/shades.js").Shade} Shade */
+/** @typedef {import("../player/curve_chart.js").Shade} Shade */
 
 const GRAVITY = 9.8; // only to tell dense curves from others
 export const SIDES = ["right", "left"];

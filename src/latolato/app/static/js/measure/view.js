@@ -415,5 +415,5 @@ function signatureOf({ id, mode, tracked, fits, stage }) {
  */
 function draw(curves, track) {
   curves.panels = panelsOf(track);
-  for (const task of curves.show(/** @type {any} */ (track))) task();
+  curves.show(/** @type {any} */ (track));
 }

@@ -53,7 +53,7 @@
  * Cells of notebooks have a registry that is `upright`: they lack the modules of the plane.
  */
 
-import { loadJson } from "../kernels/load.js";
+import { loadJson } from "../kernels/files.js";
 import { learnRules } from "./rules.js";
 
 /**

@@ -1,6 +1,6 @@
 /** The language of the page: which ones there are, which one is wanted, and the choice of another. */
 
-import { loadJson } from "../kernels/load.js";
+import { loadJson } from "../kernels/files.js";
 import { translateRegistry } from "../model/registry.js";
 import { ENGLISH, languageCode, setLanguage, t, tr } from "../strings.js";
 import { el, notify } from "./dom.js";

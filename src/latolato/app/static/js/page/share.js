@@ -4,7 +4,7 @@ import { t } from "../strings.js";
 import { el, freshId, notify, saveFile } from "./dom.js";
 import { format } from "./state.js";
 
-/** @typedef {import("./history.js").AddressStore} AddressStore */
+/** @typedef {import("./state.js").AddressStore} AddressStore */
 
 export class Share {
   /**

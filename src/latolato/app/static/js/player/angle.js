@@ -1,7 +1,6 @@
 /** The angle of a ball that is led, drawn from the vertical and written beside it. */
 
-import { place } from "./scale.js";
-import { line } from "./strokes.js";
+import { line, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /**
@@ -18,7 +17,7 @@ const GAP = 8;
 /**
  * Draw the angle of the ball that is led, and write it.
  * @param {CanvasRenderingContext2D} context
- * @param {import("./scale.js").Scale} scale
+ * @param {import("./canvas.js").Scale} scale
  * @param {LedBall} held
  * @param {Motion} motion
  * @param {Record<string, string>} colours

@@ -2,12 +2,11 @@
 
 import { t } from "../strings.js";
 import { el } from "../page/dom.js";
-import { drawsCrank, drawsWheel } from "./mover.js";
-import { place } from "./scale.js";
-import { line } from "./strokes.js";
+import { drawsCrank, drawsWheel } from "./pivot.js";
+import { line, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./scale.js").Scale} Scale */
+/** @typedef {import("./canvas.js").Scale} Scale */
 
 // Lengths of arrows, in lengths of the longest rod: of the fastest ball of the run, of its weight,
 // and the most that a force gets.

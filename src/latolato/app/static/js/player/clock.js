@@ -1,9 +1,13 @@
-/** The clock of a player: the one place that keeps the instant; others subscribe. */
+/** The clock of a player, the one place that keeps the instant, and the menu of its speeds. */
+
+import { t } from "../strings.js";
+import { el, freshId } from "../page/dom.js";
 
 // After a pause of the browser, such as a background tab, the clock goes on where it was.
 const LONGEST_FRAME = 0.1; // s
 // While it plays, texts follow at this rate and all at once; pictures at every instant.
 export const READ_EVERY = 100; // ms
+const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 
 export class Clock {
   constructor() {
@@ -104,4 +108,18 @@ export class Clock {
     if (this.isRead) this.readAt = now;
     for (const listener of this.listeners) listener(this.time, this);
   }
+}
+
+/**
+ * Return a label and a menu of speeds up to the fastest one.
+ * @param {number} fastest
+ * @param {(speed: number) => void} [choose] called with a speed that was chosen
+ * @returns {[HTMLLabelElement, HTMLSelectElement]}
+ */
+export function speedMenu(fastest, choose = () => {}) {
+  const id = freshId();
+  const menu = el("select", { id, on: { change: () => choose(Number(menu.value)) } },
+    ...SPEEDS.filter((speed) => speed <= fastest).map((speed) =>
+      el("option", { value: String(speed), selected: speed === 1 }, t("speedText", { speed }))));
+  return [el("label", { for: id }, t("speed")), menu];
 }

@@ -4,12 +4,15 @@ import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { colour } from "../page/dom.js";
-import { drawShades } from "./shades.js";
 import { extremesUntil, pathOf } from "./traces.js";
 import { short } from "../page/unit_text.js";
 
 /** @typedef {import("./curves.js").Panel} Panel */
 /** @typedef {import("./traces.js").Curve} Curve */
+/**
+ * A stretch of time behind curves, in the colour of what it means.
+ * @typedef {{from: number, to: number, paint: string}} Shade
+ */
 
 /** Of the numbers and names of axes. */
 export const FONT = "12px system-ui, sans-serif";
@@ -18,6 +21,8 @@ const HEIGHT = 170;
 const WIDTH = 1;
 // Room above and below the curves, as a share of their range.
 const MARGIN = 0.1;
+// How opaque shades are.
+const STRENGTH = 0.28;
 
 /**
  * Return how uPlot draws a chart.
@@ -110,4 +115,25 @@ export function heightOf({ height = HEIGHT }) {
  */
 function limits(low, high) {
   return UPlot.rangeNum(...axisLimits(low, high, SINGLE), MARGIN, true);
+}
+
+/**
+ * Draw stretches of time behind the curves of a chart.
+ * @param {any} u the uPlot chart
+ * @param {Shade[]} shades
+ */
+export function drawShades(u, shades) {
+  const { ctx: context, bbox } = u;
+  context.save();
+  context.beginPath();
+  context.rect(bbox.left, bbox.top, bbox.width, bbox.height);
+  context.clip();
+  context.globalAlpha = STRENGTH;
+  for (const { from, to, paint } of shades) {
+    const x = u.valToPos(from, "x", true);
+    const width = Math.max(u.valToPos(to, "x", true) - x, 1);
+    context.fillStyle = colour(paint, u.root);
+    context.fillRect(x, bbox.top, width, bbox.height);
+  }
+  context.restore();
 }

@@ -21,7 +21,7 @@ import { dataOf, resampled } from "./traces.js";
  * A quantity ("angle", "energy", "power") lets a chart be described in a sentence.
  * @typedef {{label: string | ((motion: Motion) => string), quantity?: string,
  *   height?: number | (() => number), curves: (motion: Motion) => Curve[],
- *   shades?: (motion: Motion) => import("./shades.js").Shade[]}} Panel
+ *   shades?: (motion: Motion) => import("./curve_chart.js").Shade[]}} Panel
  */
 
 // While the clock is followed, so many natural periods of a run are shown, or all of one that is
@@ -63,6 +63,8 @@ export class Curves {
     /** @type {{plot: any, playhead: Playhead, curves: Curve[],
      *   host: HTMLElement, panel: Panel}[]} */
     this.charts = [];
+    /** What is still to be done for the run on show. @type {(() => void)[]} */
+    this.tasks = [];
     /** @type {[number, number]} */
     this.span = [0, 1];
     /** Pictures since a motion that grows was drawn. */
@@ -89,12 +91,13 @@ export class Curves {
   }
 
   /**
-   * Show a run, and a pinned one behind it: the first chart at once; returned are the tasks that
-   * show the others.
+   * Show a run, and a pinned one behind it: the first chart at once, the others in the next moments,
+   * and then what else shows the run.
    * @param {Motion} motion
    * @param {Motion | null} [pinned]
+   * @param {(() => void)[]} [others]
    */
-  show(motion, pinned = null) {
+  show(motion, pinned = null, others = []) {
     const wasWhole = !this.motion || this.isWhole;
     this.motion = motion;
     this.pinned = pinned;
@@ -121,7 +124,22 @@ export class Curves {
       this.read(this.clock.time);
     });
     tasks[0]?.();
-    return [...tasks.slice(1), () => this.describe(motion)];
+    this.doLater([...tasks.slice(1), () => this.describe(motion), ...others]);
+  }
+
+  /**
+   * Do tasks one after the other, each in a moment of its own, unless newer ones come.
+   * @param {(() => void)[]} tasks
+   */
+  doLater(tasks) {
+    this.tasks = tasks;
+    const next = () => {
+      if (this.tasks !== tasks) return;
+      tasks.shift()?.();
+      if (tasks.length) setTimeout(next);
+    };
+    // One frame draws what is already done; the next one begins when that is painted.
+    requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(next)));
   }
 
   /**
@@ -343,6 +361,7 @@ export class Curves {
   destroy() {
     this.unsubscribe();
     this.release();
+    this.tasks = [];
     for (const { plot } of this.charts) plot.destroy();
   }
 }

@@ -1,11 +1,10 @@
 /** What a ball hangs on: a rod, a string that is taut, or one that is slack and hangs in an arc. */
 
 import { t } from "../strings.js";
-import { place } from "./scale.js";
-import { line } from "./strokes.js";
+import { line, place } from "./canvas.js";
 import { short } from "../page/unit_text.js";
 
-/** @typedef {import("./scale.js").Scale} Scale */
+/** @typedef {import("./canvas.js").Scale} Scale */
 
 // Strings are drawn this wide, and rods, in lengths of the longest one, and at least so wide.
 const WIDTHS = { string: [0.006, 1.1], rod: [0.012, 1.5] };

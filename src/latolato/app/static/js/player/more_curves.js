@@ -4,7 +4,6 @@ import { wordsOf } from "../model/word.js";
 import { local, t, tr } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
-import { TaskQueue } from "../page/task_queue.js";
 import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { KINDS } from "./events.js";
 import { scaled } from "./traces.js";
@@ -40,7 +39,6 @@ export class MoreCurves {
     this.pinned = null;
     /** What is drawn. @type {Motion | null} */
     this.drawn = null;
-    this.later = new TaskQueue();
     const curves = el("div", { class: "curves" });
     const [phase, section] = ["phase", "section"].map((name) =>
       el("div", { class: "chart", role: "img", "aria-label": t(name) }));
@@ -84,12 +82,11 @@ export class MoreCurves {
     this.drawn = motion;
     this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
     if (motion.grows) {
-      this.later.run(this.curves.show(motion));
+      this.curves.show(motion);
       return;
     }
     this.plots ??= this.makePlots();
-    this.later.run([
-      ...this.curves.show(motion, pinned),
+    this.curves.show(motion, pinned, [
       () => this.showPhase(motion),
       () => this.showSection(motion),
       () => this.showLedger(motion),
@@ -182,7 +179,6 @@ export class MoreCurves {
   }
 
   destroy() {
-    this.later.run([]);
     this.curves.destroy();
     this.plots?.phase.destroy();
     this.plots?.section.destroy();

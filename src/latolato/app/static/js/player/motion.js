@@ -1,12 +1,12 @@
 /** A run as the page knows it: the state at any instant, from the samples and the contacts. */
 
 import { row } from "../page/block.js";
-import { between, joined } from "./scale.js";
+import { between, joined } from "./canvas.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 /** @typedef {{name: string, row: number, sign: number, length: number, radius: number,
  *   mass: number}} MotionBall */
-/** @typedef {import("./scale.js").Box} Box */
+/** @typedef {import("./canvas.js").Box} Box */
 /** @typedef {ReturnType<typeof poseOf>} Pose */
 
 // A ball of unknown or zero radius is drawn with this share of the length.

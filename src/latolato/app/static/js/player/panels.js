@@ -1,57 +1,12 @@
-/** What the curves of a run show: angles, energies, powers. */
+/** What the further curves of a run show: energies, powers, and distances of balls on strings. */
 
 import { t } from "../strings.js";
-import { wrap } from "./motion.js";
 import { scaled } from "./traces.js";
-import { DEGREE } from "../page/unit_text.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./curves.js").Panel} Panel */
-/** @typedef {import("./curves.js").Curve} Curve */
 
-// The pivot's height is shown as in pictures and files, in `shown_unit` of `latolato.core.quantities`.
-const HEIGHT = { unit: "mm", size: 1e-3 }; // m
 const LENGTH = { unit: "cm", size: 1e-2 }; // m
-
-/**
- * Return the panel of angles.
- * @param {{wrapped?: boolean, pivot?: boolean}} [how] angles within (-180°, 180°], and the pivot's
- *   height beside them
- * @returns {Panel}
- */
-export function anglePanel({ wrapped = false, pivot = false } = {}) {
-  return {
-    label: t("curveAngle"),
-    quantity: "angle",
-    curves: (motion) => [
-      ...motion.balls.map((ball, k) => {
-        const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE);
-        return {
-          label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
-          paint: ball.name === "left" ? "left" : "right",
-          values: wrapped ? values.map(wrap) : values,
-          turn: wrapped ? 360 : undefined,
-          ofPose: (/** @type {import("./motion.js").Pose} */ { balls }) => {
-            const angle = balls[k].angle / DEGREE;
-            return wrapped ? wrap(angle) : angle;
-          },
-        };
-      }),
-      ...(pivot ? [pivotCurve(motion)] : []),
-    ],
-  };
-}
-
-/**
- * Return the pivot's height as a curve with an axis of its own.
- * @param {Motion} motion
- * @returns {Curve}
- */
-function pivotCurve(motion) {
-  const { unit, size } = HEIGHT;
-  return { label: t("pivotIn", { unit }), paint: "force", axis: "right",
-    values: scaled(motion.values("pivot_height") ?? [], 1 / size) };
-}
 
 /** @type {Panel[]} */
 export const ENERGY_PANELS = [

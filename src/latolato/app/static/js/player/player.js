@@ -1,14 +1,13 @@
 /** The player: animation, angles over time, transport and, when asked for, more of one run. */
 
 import { t } from "../strings.js";
-import { Clock } from "./clock.js";
+import { Clock, speedMenu } from "./clock.js";
 import { el, notify } from "../page/dom.js";
 import { slackText } from "./hang.js";
 import { followKeys } from "../page/keys.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
 import { Accessibility } from "./accessibility.js";
-import { speedMenu } from "./speed.js";
 import { Start } from "./start.js";
 import { logOf } from "./events.js";
 import { Timeline } from "./timeline.js";

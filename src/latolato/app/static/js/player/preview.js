@@ -4,8 +4,8 @@ import { t } from "../strings.js";
 import { Clock } from "./clock.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
-import { anglePanel } from "./panels.js";
 import { Scene } from "./scene.js";
+import { anglePanel } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 

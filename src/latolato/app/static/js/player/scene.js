@@ -2,17 +2,15 @@
 
 import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
 import { coloursOf, el, fitCanvas } from "../page/dom.js";
+import { contactPoint, drawTrails, Flashes, strengthOf } from "./afterglow.js";
 import { drawAngle } from "./angle.js";
-import { drawArm, drawFist, fistSize, handBox } from "./fist.js";
-import { contactPoint, Flashes, strengthOf } from "./flash.js";
 import { drawHangers, drawLines } from "./hang.js";
 import { before } from "./motion.js";
-import { drawMover, moverBox } from "./mover.js";
-import { drawTrails } from "./trail.js";
-import { boxAbout, fitScale, joined, place } from "./scale.js";
+import { drawArm, drawFist, drawMover, fistSize, handBox, moverBox } from "./pivot.js";
+import { boxAbout, fitScale, joined, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./scale.js").Scale} Scale */
+/** @typedef {import("./canvas.js").Scale} Scale */
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./angle.js").LedBall} LedBall */
 

@@ -3,12 +3,14 @@
 import { t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
-import { TaskQueue } from "../page/task_queue.js";
-import { range } from "./motion.js";
-import { anglePanel } from "./panels.js";
+import { range, wrap } from "./motion.js";
+import { scaled } from "./traces.js";
+import { DEGREE } from "../page/unit_text.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
+/** @typedef {import("./curves.js").Panel} Panel */
+/** @typedef {import("./curves.js").Curve} Curve */
 
 // The height of the curve is this share of the window's, within limits [pixels].
 const SHARE = 0.16;
@@ -17,6 +19,8 @@ const MOST = 190;
 // The slider moves in so many steps over the stretch on show.
 const STEPS = 1000;
 const HALF_TURN = Math.PI;
+// The pivot's height is shown as in pictures and files, in `shown_unit` of `latolato.core.quantities`.
+const HEIGHT = { unit: "mm", size: 1e-3 }; // m
 
 export class Timeline {
   /** @param {Clock} clock */
@@ -44,7 +48,6 @@ export class Timeline {
     this.root = el("div", { class: "timeline" }, place, this.scrub);
     this.curves = new Curves(place, clock, [this.panel()], { follows: true });
     this.curves.onLayout = () => this.align();
-    this.later = new TaskQueue();
   }
 
   panel() {
@@ -63,7 +66,7 @@ export class Timeline {
     this.wrapped.hidden = !motion.balls.some(({ row }) =>
       range(motion.values("angle", row) ?? []).some((angle) => Math.abs(angle) > HALF_TURN));
     this.curves.panels = [this.panel()];
-    this.later.run(this.curves.show(motion, pinned));
+    this.curves.show(motion, pinned);
     this.move(this.clock.time);
   }
 
@@ -132,4 +135,44 @@ export class Timeline {
 /** @param {HTMLElement | undefined} button */
 function isPressed(button) {
   return button?.getAttribute("aria-pressed") === "true";
+}
+
+/**
+ * Return the panel of angles.
+ * @param {{wrapped?: boolean, pivot?: boolean}} [how] angles within (-180°, 180°], and the pivot's
+ *   height beside them
+ * @returns {Panel}
+ */
+export function anglePanel({ wrapped = false, pivot = false } = {}) {
+  return {
+    label: t("curveAngle"),
+    quantity: "angle",
+    curves: (motion) => [
+      ...motion.balls.map((ball, k) => {
+        const values = scaled(motion.values("angle", ball.row) ?? [], ball.sign / DEGREE);
+        return {
+          label: motion.balls.length > 1 ? t(ball.name) : t("angle"),
+          paint: ball.name === "left" ? "left" : "right",
+          values: wrapped ? values.map(wrap) : values,
+          turn: wrapped ? 360 : undefined,
+          ofPose: (/** @type {import("./motion.js").Pose} */ { balls }) => {
+            const angle = balls[k].angle / DEGREE;
+            return wrapped ? wrap(angle) : angle;
+          },
+        };
+      }),
+      ...(pivot ? [pivotCurve(motion)] : []),
+    ],
+  };
+}
+
+/**
+ * Return the pivot's height as a curve with an axis of its own.
+ * @param {Motion} motion
+ * @returns {Curve}
+ */
+function pivotCurve(motion) {
+  const { unit, size } = HEIGHT;
+  return { label: t("pivotIn", { unit }), paint: "force", axis: "right",
+    values: scaled(motion.values("pivot_height") ?? [], 1 / size) };
 }

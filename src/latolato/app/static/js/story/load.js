@@ -1,6 +1,6 @@
 /** Stories and challenges of the site, which Python made of their files. */
 
-import { loadJson } from "../kernels/load.js";
+import { loadJson } from "../kernels/files.js";
 import { InputError } from "../model/rules.js";
 import { stopped } from "../page/link_parts.js";
 import { inLanguage } from "../page/refusals.js";

@@ -4,7 +4,7 @@ import { columnsTable, contactsTable, tomlOf } from "../model/run_files.js";
 import { el, notify, saveFile } from "../page/dom.js";
 import { fileOf, JobLine } from "../page/jobs.js";
 import { Runner } from "../player/runner.js";
-import { speedMenu } from "../player/speed.js";
+import { speedMenu } from "../player/clock.js";
 import { format } from "../page/state.js";
 import { t } from "../strings.js";
 
