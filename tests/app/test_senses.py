@@ -29,15 +29,15 @@ WATCH = """() => {
 # Listens to a run as the page plays it at 60 pictures a second, for some seconds and then without
 # another picture. Returns both channels.
 LISTEN = """async ({ clacks, tones, speed, playing, length }) => {
-  const [{ Accessibility }, { Sound }, { logOf }] = await Promise.all(
-    ["accessibility", "sound", "events"].map((name) => import(`./js/player/${name}.js`)));
+  const [{ Accessibility }, { Sound }] = await Promise.all(
+    ["accessibility", "sound"].map((name) => import(`./js/player/${name}.js`)));
   const { motion } = window.latolato.views.toy.player;
-  const log = logOf(motion);
   const context = new OfflineAudioContext(2, length * 48000, 48000);
   const accessibility = new Accessibility(document.createElement("canvas"), () => []);
   accessibility.sound = Object.assign(new Sound(() => context), { clacks, tones });
   accessibility.loudest = 20;
-  accessibility.liveRegion.replace({ motion, log: () => log });
+  accessibility.follow(motion);
+  await accessibility.load();
   for (let k = 0; k / 60 < playing; k += 1)
     context.suspend(k / 60).then(() => {
       accessibility.move(context.currentTime * speed, true, speed);

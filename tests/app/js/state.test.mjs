@@ -5,8 +5,7 @@ import test from "node:test";
 import { newest } from "../../../src/latolato/app/static/js/page/api.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/player/traces.js";
 import { Form } from "../../../src/latolato/app/static/js/page/form.js";
-import { heldOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
-import { withOptions } from "../../../src/latolato/app/static/js/page/links.js";
+import { heldOptions, withOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
 import { format, parse } from "../../../src/latolato/app/static/js/page/state.js";
 import { short, symbolParts } from "../../../src/latolato/app/static/js/page/unit_text.js";
 

@@ -1,12 +1,11 @@
 /** The page: its views, its colours and what they share. */
 
 import { loadRegistry } from "./model/registry.js";
-import { beforePrint, el, notify } from "./page/dom.js";
+import { beforePrint, el } from "./page/dom.js";
 import { keep, recall } from "./page/preferences.js";
 import { speakInPage } from "./page/language.js";
-import { Messages } from "./page/messages.js";
-import { readable, sayLeft } from "./page/link_parts.js";
-import { Share } from "./page/share.js";
+import { actingLink } from "./page/links.js";
+import { Messages, sayOffline } from "./page/messages.js";
 import { AddressStore, format, isReadable, parse } from "./page/state.js";
 import { t } from "./strings.js";
 
@@ -70,19 +69,23 @@ function startViews(page) {
   /** @type {string | null} */
   let current = null;
   let again = 0;
-  const share = new Share(page.store, () => (current ? made[current] : {}));
+  /** Made when somebody first shares. @type {import("./page/share.js").Share | null} */
+  let share = null;
+  const shareButton = el("button", { type: "button", "aria-expanded": "false", on: { click: async () => {
+    const module = await import("./page/share.js").catch(sayOffline);
+    if (!module) return;
+    share ??= new module.Share(shareButton, page.store, () => (current ? made[current] : {}));
+    await share.share();
+  } } }, t("share"));
+  const sharing = el("div", { class: "share" }, shareButton);
   // Of views without a stage or a toolbar of their own.
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
     if (name === "report" && page.registry.report)
       return { name, link: el("a", { href: REPORT }, t("view_report")) };
     const isForProgram = !page.registry.server && NEED_PROGRAM.includes(name);
-    const link = el("a", { href: `?view=${name}`, class: isForProgram && "program",
-      title: isForProgram && t("tabProgram"), on: { click: (/** @type {MouseEvent} */ e) => {
-      if (e.ctrlKey || e.metaKey || e.shiftKey) return;
-      e.preventDefault();
-      page.store.set({ view: name }, "view");
-    } } }, t(`view_${name}`));
+    const link = actingLink(`?view=${name}`, () => page.store.set({ view: name }, "view"),
+      { class: isForProgram && "program", title: isForProgram && t("tabProgram") }, t(`view_${name}`));
     return { name, link };
   });
   nav.replaceChildren(...links.map(({ link }) => link));
@@ -110,7 +113,7 @@ function startViews(page) {
       });
       if (page.store.state.view !== view) return;
       if (!View) {
-        notify(t("offline"));
+        sayOffline();
         clearTimeout(again);
         again = window.setTimeout(() => void show(), RETRY);
         return;
@@ -128,9 +131,9 @@ function startViews(page) {
     const top = root.querySelector(".main") ?? root;
     (root.querySelector(".stage-messages") ?? top).prepend(page.messages.root);
     if (!root.querySelector(".stage-tools")) page.messages.root.after(ownLine);
-    root.querySelector(".stage-tools").append(share.root);
+    root.querySelector(".stage-tools").append(sharing);
     made[view].show();
-    share.open(false);
+    share?.open(false);
     document.title = `${title} · latolato`;
   };
   page.store.subscribe(() => void show());
@@ -188,6 +191,8 @@ async function keepOffline() {
 }
 
 document.documentElement.dataset.theme = recall(THEME) ?? "auto";
+// What checks the parts of a link comes with the registry, where there are any.
+const linkParts = location.search ? import("./page/link_parts.js") : null;
 const store = new AddressStore(window);
 // An address of the view that the report has replaced: it named a figure.
 const figure = store.state.extra["paper.figure"] ?? "";
@@ -202,11 +207,12 @@ if (store.state.view === "report" && registry.report) {
 /** @type {Page} */
 const page = { registry, store, messages: new Messages() };
 await speakInPage(page);
-if (isReadable(location.search, registry.format)) {
+if (linkParts && isReadable(location.search, registry.format)) {
+  const { readable, sayLeft } = await linkParts;
   const { state, left } = readable(registry, store.state, Object.keys(VIEWS));
   if (format(state) !== format(store.state)) store.amend(state, "preset");
   sayLeft(page, left);
-} else {
+} else if (linkParts) {
   page.messages.show("link", t("newerAddress"), { stays: true });
   store.amend(parse(""), "preset");
 }

@@ -9,7 +9,7 @@ import { el } from "./page/dom.js";
 import { EmbeddedPlayer } from "./player/embedded.js";
 import { Knobs } from "./page/knobs.js";
 import { speakTable } from "./page/language.js";
-import { withOptions } from "./page/links.js";
+import { withOptions } from "./page/option_texts.js";
 import { inPagesWords, warningsText } from "./page/refusals.js";
 import { withStart } from "./player/start.js";
 import { t } from "./strings.js";

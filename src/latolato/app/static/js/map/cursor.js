@@ -1,6 +1,6 @@
 /** The cross on a map: where it is, what is known there, and the run of its point. */
 
-import { el } from "../page/dom.js";
+import { el, isCalm } from "../page/dom.js";
 import { textsOf } from "../page/links.js";
 import { Motion } from "../player/motion.js";
 import { Preview } from "../player/preview.js";
@@ -191,7 +191,7 @@ export class PointPanel {
       this.options = block.about.options;
       this.preview.root.hidden = false;
       this.preview.show(new Motion(block));
-      if (plays && !matchMedia("(prefers-reduced-motion: reduce)").matches) this.preview.clock.play();
+      if (plays && !isCalm()) this.preview.clock.play();
       this.title.textContent = words;
       this.button.disabled = false;
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);

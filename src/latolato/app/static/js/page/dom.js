@@ -57,6 +57,11 @@ export function coloursOf(names, element) {
   return Object.fromEntries(names.map((name) => [name, colour(name, element)]));
 }
 
+/** Return whether the user prefers reduced motion. */
+export function isCalm() {
+  return matchMedia("(prefers-reduced-motion: reduce)").matches;
+}
+
 /**
  * Call a function before the page is printed; returns what ends that.
  * @param {() => void} act

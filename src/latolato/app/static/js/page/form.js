@@ -1,11 +1,10 @@
 /** Fields for every parameter of a system and a drive, made from the server's registry. */
 
-import { withoutAlternatives } from "../model/options.js";
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { readEntry, readQuantity } from "./entry.js";
 import { explanation, Knob, symbolOf } from "./knob.js";
-import { heldOptions, START, textIn, withLaws } from "./option_texts.js";
+import { heldOptions, hungOn, START, textIn, withLaws, withOptions } from "./option_texts.js";
 import { localShort, short, shownUnit } from "./unit_text.js";
 
 /** @typedef {import("./state.js").Store} Store */
@@ -121,12 +120,7 @@ export class Form {
    * @param {Record<string, string | null>} changed
    */
   giveAll(changed) {
-    const { options } = this.store.state;
-    // An empty field takes back what it showed, which an alternative may have said.
-    const names = Object.keys(changed).filter((name) => changed[name] !== null || !(name in options));
-    const kept = Object.entries({ ...withoutAlternatives(this.registry, options, names), ...changed })
-      .filter(([, value]) => value !== null);
-    this.set(/** @type {Record<string, string>} */ (Object.fromEntries(kept)));
+    this.set(withOptions(this.registry, this.store.state.options, changed));
   }
 
   /** Put these options into the state. @param {Record<string, string>} options */
@@ -276,27 +270,15 @@ export class Form {
   }
 
   /**
-   * Hang the balls on rods or strings. What only strings have goes with them; a preset's own value is
-   * replaced.
-   * @param {string} suspension
-   */
-  hangOn(suspension) {
-    const own = this.store.state.options.string_restitution !== undefined;
-    /** @type {Record<string, string | null>} */
-    const others = suspension === "rod" ? { initial_distance: null,
-      string_restitution: !own && this.resolved.string_restitution ? "0" : null } : {};
-    this.giveAll({ ...others, suspension });
-  }
-
-  /**
    * @param {string} name
    * @param {FieldOption} option
    * @param {string[]} choices
    */
   choiceField(name, option, choices) {
     const [id, aboutId] = [freshId(), freshId()];
-    const select = el("select", { id, on: { change: () =>
-      (name === "suspension" ? this.hangOn(select.value) : this.give(name, select.value)) } },
+    const select = el("select", { id, on: { change: () => (name === "suspension"
+      ? this.giveAll(hungOn(this.store.state.options, this.resolved, select.value))
+      : this.give(name, select.value)) } },
       ...choices.map((each) => el("option", { value: each }, option.labels?.[each] ?? tr(each))));
     const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
     this.fields.set(name, { read, error: () => {} });

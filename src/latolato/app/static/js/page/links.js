@@ -1,6 +1,5 @@
 /** Links that lead to another view with other parameters. */
 
-import { withoutAlternatives } from "../model/options.js";
 import { toSi } from "../model/units.js";
 import { el } from "./dom.js";
 import { textOf } from "./option_texts.js";
@@ -11,7 +10,23 @@ import { format } from "./state.js";
  *   extra?: Record<string, string>}} Target */
 
 /**
- * Return a link that opens a state of the page; it can be opened in a new tab too.
+ * Return a link whose plain click does something in this page; it can be opened in a new tab too.
+ * @param {string} address
+ * @param {() => void} act
+ * @param {Record<string, any>} attributes
+ * @param {...(Node | string)} children
+ * @returns {HTMLAnchorElement}
+ */
+export function actingLink(address, act, attributes, ...children) {
+  return el("a", { href: address, ...attributes, on: { click: (/** @type {MouseEvent} */ event) => {
+    if (event.ctrlKey || event.metaKey || event.shiftKey) return;
+    event.preventDefault();
+    act();
+  } } }, ...children);
+}
+
+/**
+ * Return a link that opens a state of the page.
  * @param {Page} page
  * @param {Target} target
  * @param {string} text
@@ -19,13 +34,7 @@ import { format } from "./state.js";
  * @returns {HTMLAnchorElement}
  */
 export function openLink(page, target, text, title) {
-  return el("a", { href: addressOf(page, target), class: "open", title,
-    on: {
-      click: (/** @type {MouseEvent} */ event) => {
-        if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-        event.preventDefault();
-        openState(page, target);
-      } } }, text);
+  return actingLink(addressOf(page, target), () => openState(page, target), { class: "open", title }, text);
 }
 
 /**
@@ -72,15 +81,4 @@ function inUsualUnit(registry, name, value) {
     if (texts.every((text, i) => toSi(registry, name, text, option.unit) === values[i])) return texts.join(", ");
   }
   return textOf(option, value);
-}
-
-/**
- * Return options with some of them set, and without what cannot be given beside these.
- * @param {any} registry
- * @param {Record<string, string>} options
- * @param {Record<string, string>} changed
- * @returns {Record<string, string>}
- */
-export function withOptions(registry, options, changed) {
-  return { ...withoutAlternatives(registry, options, Object.keys(changed)), ...changed };
 }

@@ -10,6 +10,11 @@ const SHORTEST = 5000; // ms
 const PER_LETTER = 70; // ms
 const FADING = 400; // ms
 
+/** Say that something cannot be loaded: what asks for it later calls this on an error. */
+export function sayOffline() {
+  notify(t("offline"));
+}
+
 export class Messages {
   constructor() {
     this.root = el("div", { class: "messages", role: "status", "aria-live": "polite" });

@@ -68,6 +68,35 @@ export function withLaws(registry, options, resolved, system, drive) {
 }
 
 /**
+ * Return options with some of them set, null takes one back, and without what cannot be given beside these.
+ * @param {any} registry
+ * @param {Record<string, string>} options
+ * @param {Record<string, string | null>} changed
+ * @returns {Record<string, string>}
+ */
+export function withOptions(registry, options, changed) {
+  // An empty field takes back what it showed, which an alternative may have said.
+  const names = Object.keys(changed).filter((name) => changed[name] !== null || !(name in options));
+  const kept = Object.entries({ ...withoutAlternatives(registry, options, names), ...changed });
+  return /** @type {Record<string, string>} */ (Object.fromEntries(kept.filter(([, value]) => value !== null)));
+}
+
+/**
+ * Return what changes when balls are hung on rods or strings: what only strings have goes with them; a
+ * preset's own value is replaced.
+ * @param {Record<string, string>} options
+ * @param {Record<string, any>} resolved what the last run had, in SI units
+ * @param {string} suspension
+ * @returns {Record<string, string | null>}
+ */
+export function hungOn(options, resolved, suspension) {
+  if (suspension !== "rod") return { suspension };
+  const hasOwn = options.string_restitution !== undefined;
+  return { suspension, initial_distance: null,
+    string_restitution: !hasOwn && resolved.string_restitution ? "0" : null };
+}
+
+/**
  * Return a drive's lists in the length of the first that was kept: what others begin with has
  * another one.
  * @param {any} registry

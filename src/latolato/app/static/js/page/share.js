@@ -8,11 +8,13 @@ import { format } from "./state.js";
 
 export class Share {
   /**
+   * @param {HTMLButtonElement} button that opens the menu, in an element of its own
    * @param {AddressStore} store
    * @param {() => {picture?: () => Promise<Blob> | null}} view returns the view on show; with a stage,
    *   it makes a PNG of it, null as long as there is nothing to see
    */
-  constructor(store, view) {
+  constructor(button, store, view) {
+    this.button = button;
     this.store = store;
     this.view = view;
     const id = freshId();
@@ -23,13 +25,13 @@ export class Share {
     this.menu = el("div", { class: "card share-menu", id, hidden: true }, this.link,
       el("div", { class: "actions" }, el("button", { type: "button",
         on: { click: () => void this.copy() } }, t("shareCopy")), this.save));
-    this.button = el("button", { type: "button", "aria-expanded": "false", "aria-controls": id,
-      on: { click: () => void this.share() } }, t("share"));
-    this.root = el("div", { class: "share", on: { keydown: (/** @type {KeyboardEvent} */ event) => {
-      if (event.key !== "Escape" || this.menu.hidden) return;
+    button.setAttribute("aria-controls", id);
+    button.after(this.menu);
+    button.parentElement?.addEventListener("keydown", ({ key }) => {
+      if (key !== "Escape" || this.menu.hidden) return;
       this.open(false);
-      this.button.focus();
-    } } }, this.button, this.menu);
+      button.focus();
+    });
   }
 
   /** The link to what is on show, for a page of its own. */

@@ -3,6 +3,7 @@
  * touch, the larger the faster they met.
  */
 
+import { isCalm } from "../page/dom.js";
 import { line, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -114,13 +115,11 @@ export function contactPoint([one, other], radius) {
   return { x: one.x + share * (other.x - one.x), y: one.y + share * (other.y - one.y) };
 }
 
-/** The flashes on show. */
+/** The flashes on show; for whoever wants little motion nothing flashes. */
 export class Flashes {
   constructor() {
     /** @type {Flash[]} */
     this.flashes = [];
-    // For whoever wants little motion nothing flashes.
-    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
   }
 
   /**
@@ -129,7 +128,7 @@ export class Flashes {
    */
   add(point, strength) {
     // A run that ended early has contacts where it has no samples.
-    if (!this.calm.matches && Number.isFinite(point.x + point.y))
+    if (!isCalm() && Number.isFinite(point.x + point.y))
       this.flashes.push({ ...point, strength, since: performance.now() });
   }
 
@@ -139,7 +138,7 @@ export class Flashes {
    * @param {number} ring radius of the ball [m]
    */
   ring(point, ring) {
-    if (!this.calm.matches) this.flashes.push({ ...point, strength: 0, ring, since: performance.now() });
+    if (!isCalm()) this.flashes.push({ ...point, strength: 0, ring, since: performance.now() });
   }
 
   /**

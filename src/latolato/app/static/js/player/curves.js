@@ -7,10 +7,9 @@ import UPlot from "../../vendor/uPlot.js";
 import { t } from "../strings.js";
 import { axisLimits } from "./axis.js";
 import { chartOptions, heightOf } from "./curve_chart.js";
-import { curvesOf } from "./describe.js";
 import { el, freshId, onLook } from "../page/dom.js";
 import { followKeys } from "../page/keys.js";
-import { inText } from "./live_region.js";
+import { sayOffline } from "../page/messages.js";
 import { followPointer, Playhead } from "./playhead.js";
 import { dataOf, resampled } from "./traces.js";
 
@@ -124,7 +123,7 @@ export class Curves {
       this.read(this.clock.time);
     });
     tasks[0]?.();
-    this.doLater([...tasks.slice(1), () => this.describe(motion), ...others]);
+    this.doLater([...tasks.slice(1), () => void this.describe(motion), ...others]);
   }
 
   /**
@@ -146,13 +145,15 @@ export class Curves {
    * Say in words what the charts show.
    * @param {Motion} motion
    */
-  describe(motion) {
+  async describe(motion) {
     const { time } = motion;
     if (time.length < 2) return;
+    const describe = await import("./describe.js").catch(sayOffline);
+    if (!describe || this.motion !== motion) return;
     for (const { host, panel, curves } of this.charts) {
       if (!panel.quantity) continue;
       const own = curves.filter(({ paint, axis }) => paint !== "faint" && !axis).map(({ values }) => values);
-      const text = inText(curvesOf(panel.quantity, time, own));
+      const text = describe.inText(describe.curvesOf(panel.quantity, time, own));
       host.setAttribute("aria-label", `${nameOf(labelOf(panel, motion), curves)}. ${text}`);
     }
   }

@@ -6,6 +6,7 @@
 
 import { isSlack } from "./hang.js";
 import { isClack, wrapped } from "./events.js";
+import { t } from "../strings.js";
 import { short } from "../page/unit_text.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -40,6 +41,9 @@ const LEVEL = 0.1;
  * @returns {SpokenSentence}
  */
 const sentence = (name, values = {}) => ({ name, values });
+
+/** @param {SpokenSentence[]} sentences */
+export const inText = (sentences) => sentences.map(({ name, values }) => t(name, values)).join(" ");
 
 /** @param {Log} log */
 const subject = (log) => (log.isPair ? "balls" : "ball");

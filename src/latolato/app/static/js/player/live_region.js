@@ -1,13 +1,11 @@
 /** When to say something about a motion: a sentence at a time, as fast as a person can follow. */
 
-import { t } from "../strings.js";
-import { bestSentence, isNews, placesOf, startOf } from "./describe.js";
-import { el, freshId } from "../page/dom.js";
+import { bestSentence, inText, isNews, placesOf, startOf } from "./describe.js";
+import { logOf } from "./events.js";
 
 /** @typedef {import("./describe.js").SpokenSentence} SpokenSentence */
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./events.js").Log} Log */
-/** @typedef {{motion: Motion, log: () => Log}} LiveSource */
 
 // Sentences follow each other by at least this time of the page.
 const GAP = 3000; // ms
@@ -16,24 +14,23 @@ const SETTLE = 700; // ms
 // More parameters change at once only where another motion is chosen.
 const MOST_CHANGES = 2;
 
-/** @param {SpokenSentence[]} sentences */
-export const inText = (sentences) => sentences.map(({ name, values }) => t(name, values)).join(" ");
-
 export class LiveRegion {
-  /** @param {() => number} clock in ms */
-  constructor(clock = () => performance.now()) {
-    this.clock = clock;
-    /** What screen readers read aloud when it changes. */
-    this.line = el("p", { class: "narration unseen", "aria-live": "polite" });
-    /** What the stage shows, where a reader looks for that. */
-    this.about = el("p", { class: "unseen", id: freshId() });
-    /** Called when the stage is described again, so that others are as well. */
-    this.onDescribe = () => {};
-    /** Returns what an option is called, if its changes are to be mentioned.
-     * @type {(option: string) => string | undefined} */
-    this.nameOf = () => undefined;
-    /** @type {LiveSource | null} */
-    this.source = null;
+  /**
+   * @param {HTMLElement} line that screen readers read aloud when it changes
+   * @param {HTMLElement} about what the stage shows, where a reader looks for that
+   * @param {() => void} onDescribe called when the stage is described again, so that others are as well
+   * @param {(option: string) => string | undefined} nameOf returns what an option is called, if its
+   *   changes are to be mentioned
+   */
+  constructor(line, about, onDescribe, nameOf) {
+    this.line = line;
+    this.about = about;
+    this.onDescribe = onDescribe;
+    this.nameOf = nameOf;
+    /** @type {Motion | null} */
+    this.motion = null;
+    /** The events of a run, once they are asked for. @type {Log | null} */
+    this.logOfRun = null;
     this.isPlaying = false;
     this.time = 0;
     this.announcedAt = -Infinity;
@@ -49,40 +46,52 @@ export class LiveRegion {
     this.timer = undefined;
   }
 
+  /** The events of the motion that is followed. @returns {Log} */
+  get log() {
+    const motion = /** @type {Motion} */ (this.motion);
+    return motion.log ?? (this.logOfRun ??= logOf(motion));
+  }
+
+  /** @param {Motion | null} motion that is on show from now on */
+  show(motion) {
+    this.motion = motion;
+    this.logOfRun = null;
+  }
+
   /**
    * Say something now.
    * @param {SpokenSentence[]} sentences
    */
   announce(sentences) {
     if (!sentences.length) return;
-    this.announcedAt = this.clock();
+    this.announcedAt = performance.now();
     this.from = this.time;
     this.line.textContent = inText(sentences);
   }
 
-  /** Say how a motion begins, of another toy or the same one again. @param {LiveSource} source */
-  begin(source) {
+  /** Say how a motion begins, of another toy or the same one again. @param {Motion} motion */
+  begin(motion) {
     clearTimeout(this.timer);
     this.before = null;
     this.turns = {};
-    this.source = source;
+    this.show(motion);
     this.from = this.since = 0;
     this.last = null;
     this.describe(0);
-    if (this.isPlaying) this.announce([startOf(source.motion)]);
+    if (this.isPlaying) this.announce([startOf(motion)]);
   }
 
   /**
    * Follow a run of other parameters, and say which.
-   * @param {LiveSource} source
+   * @param {Motion} motion
    */
-  replace(source) {
-    if (!this.source) {
-      this.begin(source);
+  replace(motion) {
+    if (!this.motion) {
+      this.begin(motion);
       return;
     }
-    this.before ??= this.source.motion.about.options;
-    this.source = source;
+    this.before ??= this.motion.about.options;
+    this.show(motion);
     this.last = null;
     this.describe(this.time);
     clearTimeout(this.timer);
@@ -91,14 +100,14 @@ export class LiveRegion {
 
   /** Say which parameter of the run is another one. */
   announceChange() {
-    const { before, source } = this;
+    const { before, motion } = this;
     this.before = null;
-    if (!before || !source) return;
-    const now = source.motion.about.options;
+    if (!before || !motion) return;
+    const now = motion.about.options;
     const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(before[name]));
     if (!names.length) return;
     const isOther = names.length > MOST_CHANGES || now.system !== before.system;
-    this.announce(isOther ? [startOf(source.motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
+    this.announce(isOther ? [startOf(motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
   }
 
   /**
@@ -120,8 +129,8 @@ export class LiveRegion {
    * @param {number} now
    */
   turned(name, before, now) {
-    const { source, time } = this;
-    if (!source) return;
+    const { motion, time } = this;
+    if (!motion) return;
     this.since = time;
     this.turns[name] = [this.turns[name]?.[0] ?? before, now];
     clearTimeout(this.timer);
@@ -137,8 +146,8 @@ export class LiveRegion {
    * @param {boolean} isPlaying
    */
   move(time, isPlaying) {
-    const { source } = this;
-    if (!source) return;
+    const { motion } = this;
+    if (!motion) return;
     const begins = isPlaying && !this.isPlaying;
     const ends = !isPlaying && this.isPlaying;
     this.isPlaying = isPlaying;
@@ -147,16 +156,16 @@ export class LiveRegion {
     if (ends) this.pause();
     if (begins) this.from = time;
     if (!isPlaying) return;
-    if (begins && time < 1) this.announce([startOf(source.motion)]);
-    else if (this.clock() - this.announcedAt > GAP) this.follow(source);
+    if (begins && time < 1) this.announce([startOf(motion)]);
+    else if (performance.now() - this.announcedAt > GAP) this.follow();
   }
 
-  /** Say what happened since the last time, if that is worth saying. @param {LiveSource} source */
-  follow(source) {
+  /** Say what happened since the last time, if that is worth saying. */
+  follow() {
     const { time } = this;
-    const next = bestSentence(source.log(), this.from, time, this.since);
+    const next = bestSentence(this.log, this.from, time, this.since);
     const isNew = next && isNews(next, this.last);
-    this.announcedAt = this.clock();
+    this.announcedAt = performance.now();
     this.from = time;
     if (!isNew) return;
     this.last = next;
@@ -165,19 +174,19 @@ export class LiveRegion {
 
   /** Say where everything stands. */
   pause() {
-    const { source, time } = this;
-    if (!source) return;
+    const { motion, time } = this;
+    if (!motion) return;
     this.describe(time);
-    this.announce([{ name: "pausedAt", values: { time: time.toFixed(2) } }, ...placesOf(source.motion, time)]);
+    this.announce([{ name: "pausedAt", values: { time: time.toFixed(2) } }, ...placesOf(motion, time)]);
   }
 
   /** Say what happens now, whether it was said before or not. */
   answer() {
-    const { source, time } = this;
-    if (!source) return;
-    const now = bestSentence(source.log(), time - GAP / 1000, time, this.since);
+    const { motion, time } = this;
+    if (!motion) return;
+    const now = bestSentence(this.log, time - GAP / 1000, time, this.since);
     this.describe(time);
-    this.announce([startOf(source.motion), ...(now ? [now] : []), ...placesOf(source.motion, time)]);
+    this.announce([startOf(motion), ...(now ? [now] : []), ...placesOf(motion, time)]);
   }
 
   /**
@@ -185,9 +194,9 @@ export class LiveRegion {
    * @param {number} time
    */
   describe(time) {
-    const { source } = this;
-    if (!source) return;
-    this.about.textContent = inText([startOf(source.motion), ...placesOf(source.motion, time)]);
+    const { motion } = this;
+    if (!motion) return;
+    this.about.textContent = inText([startOf(motion), ...placesOf(motion, time)]);
     this.onDescribe();
   }
 

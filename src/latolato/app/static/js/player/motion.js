@@ -130,6 +130,8 @@ export class Motion {
     this.isString = "distance" in block.arrays;
     /** Whether it goes on while it is shown. */
     this.grows = false;
+    /** What it notes of its events as it grows. @type {import("./events.js").Log | null} */
+    this.log = null;
     /** @type {Record<string, [number, number]>} */
     this.ranges = {};
     /** The largest angle up to each sample [rad], as far as it was asked for. @type {number[]} */

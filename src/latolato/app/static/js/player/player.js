@@ -2,14 +2,14 @@
 
 import { t } from "../strings.js";
 import { Clock, speedMenu } from "./clock.js";
-import { el, notify } from "../page/dom.js";
+import { el } from "../page/dom.js";
+import { sayOffline } from "../page/messages.js";
 import { slackText } from "./hang.js";
 import { followKeys } from "../page/keys.js";
 import { range } from "./motion.js";
 import { Scene } from "./scene.js";
 import { Accessibility } from "./accessibility.js";
 import { Start } from "./start.js";
-import { logOf } from "./events.js";
 import { Timeline } from "./timeline.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -36,8 +36,8 @@ export class Player {
     this.accessibility = new Accessibility(canvas, () => [{ title: t("keysHere"), actions: this.keys() },
       ...(this.start.choose ? [{ title: t("keysOfStage"), actions: this.start.keys() }] : []),
       ...(this.clock.lead ? [] : [{ title: t("keysOfCurve"), actions: this.curves.actions }])]);
-    this.accessibility.liveRegion.onDescribe = () => {
-      if (this.motion?.grows) this.curves.describe(this.motion);
+    this.accessibility.onDescribe = () => {
+      if (this.motion?.grows) void this.curves.describe(this.motion);
     };
     /** What stands on the stage: buttons above, messages below. */
     this.tools = el("div", { class: "stage-tools" }, this.makeArrowsSwitch(), this.accessibility.toggle);
@@ -80,7 +80,11 @@ export class Player {
   }
 
   makeArrowsSwitch() {
-    const box = el("input", { type: "checkbox", on: { change: () => this.scene.showArrows(box.checked) } });
+    const box = el("input", { type: "checkbox", on: { change: async () => {
+      const arrows = await import("./arrows.js").catch(sayOffline);
+      box.checked &&= arrows !== undefined;
+      this.scene.showArrows(box.checked && arrows ? arrows : null);
+    } } });
     return el("label", { class: "check", title: t("arrowsHint") }, box, t("arrows"));
   }
 
@@ -105,7 +109,7 @@ export class Player {
   /** Fill the drawer of further curves when it is first opened. */
   async openMore() {
     if (this.more) return;
-    const module = await import("./more_curves.js").catch(() => notify(t("offline")));
+    const module = await import("./more_curves.js").catch(sayOffline);
     if (!module || this.more) return;
     this.more = new module.MoreCurves(this.moreCurves, this.clock, this.curves);
     if (this.motion) this.more.show(this.motion, this.pinned);
@@ -126,7 +130,7 @@ export class Player {
     [clock.lead, clock.time] = [lead, motion.end];
     scene.show(motion);
     accessibility.loudest = loudest;
-    accessibility.liveRegion.begin({ motion, log: () => motion.log });
+    accessibility.follow(motion, true);
     this.timeline.show(motion, null);
     this.more?.show(motion, null);
     this.move(clock.time);
@@ -136,7 +140,8 @@ export class Player {
   letGo() {
     this.root.classList.remove("held");
     [this.clock.lead, this.clock.time] = [null, 0];
-    this.motion = this.accessibility.liveRegion.source = null;
+    this.motion = null;
+    this.accessibility.leave();
     this.scene.pinned = this.pinned;
   }
 
@@ -151,9 +156,7 @@ export class Player {
     this.scene.show(motion);
     const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
     this.accessibility.loudest = 2 * Math.max(-slow, fast, 1e-9);
-    /** @type {import("./events.js").Log | null} */
-    let log = null;
-    this.accessibility.liveRegion.replace({ motion, log: () => { log ??= logOf(motion); return log; } });
+    this.accessibility.follow(motion);
     this.timeline.show(motion, this.pinned);
     this.more?.show(motion, this.pinned);
     this.move(this.clock.time);

@@ -1,10 +1,8 @@
 /** The picture of a toy, to scale: the hand that holds the pivot, rods, balls, and what they do. */
 
-import { arrowsAt, drawArrows, legendOf, ROOM, topSpeed } from "./arrows.js";
 import { coloursOf, el, fitCanvas } from "../page/dom.js";
 import { contactPoint, drawTrails, Flashes, strengthOf } from "./afterglow.js";
-import { drawAngle } from "./angle.js";
-import { drawHangers, drawLines } from "./hang.js";
+import { drawAngle, drawHangers, drawLines } from "./hang.js";
 import { before } from "./motion.js";
 import { drawArm, drawFist, drawMover, fistSize, handBox, moverBox } from "./pivot.js";
 import { boxAbout, fitScale, joined, place } from "./canvas.js";
@@ -12,7 +10,7 @@ import { boxAbout, fitScale, joined, place } from "./canvas.js";
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./canvas.js").Scale} Scale */
 /** @typedef {import("./motion.js").Pose} Pose */
-/** @typedef {import("./angle.js").LedBall} LedBall */
+/** @typedef {import("./hang.js").LedBall} LedBall */
 
 // Kinds of contact up to this one are impacts, above that one they are those of strings.
 const TOP = 1;
@@ -31,7 +29,8 @@ export class Scene {
     /** @type {Motion | null} */
     this.motion = null;
     this.time = 0;
-    this.arrows = false;
+    /** What draws arrows, while they are on show. @type {typeof import("./arrows.js") | null} */
+    this.arrows = null;
     /** What the arrows mean; it stands where the page puts it. */
     this.legend = el("ul", { class: "legend of-arrows", hidden: true });
     this.flashes = new Flashes();
@@ -57,18 +56,23 @@ export class Scene {
     this.held = null;
     this.fist = fistSize(motion.balls.map((ball) => ({ ...ball, radius: motion.radius(ball) })));
     this.fastest = 0;
-    this.legend.replaceChildren(...legendOf(motion));
+    this.showLegend();
     this.draw();
   }
 
   /**
    * Show arrows and what they mean, or neither.
-   * @param {boolean} isOn
+   * @param {typeof import("./arrows.js") | null} arrows what draws them
    */
-  showArrows(isOn) {
-    this.arrows = isOn;
-    this.legend.hidden = !isOn;
+  showArrows(arrows) {
+    this.arrows = arrows;
+    this.showLegend();
     this.draw();
+  }
+
+  showLegend() {
+    this.legend.hidden = !this.arrows;
+    if (this.arrows && this.motion) this.legend.replaceChildren(...this.arrows.legendOf(this.motion));
   }
 
   /**
@@ -131,9 +135,9 @@ export class Scene {
     const [low, high] = motion.pivotRange;
     const hand = handBox(this.fist);
     const [left, right] = motion.acrossRange;
-    return joined([{ ...box, low: box.low - (arrows ? ROOM * motion.longest : 0) },
+    return joined([{ ...box, low: box.low - (arrows ? arrows.ROOM * motion.longest : 0) },
       { left: left + hand.left, right: right + hand.right, low: low + hand.low, high: high + hand.high },
-      moverBox(motion, arrows), this.pinned?.box(time),
+      moverBox(motion, arrows !== null), this.pinned?.box(time),
       ...(this.held?.balls ?? []).map(({ ball, x, y }) => boxAbout(x, y, motion.radius(ball))),
     ].filter((each) => each !== null && each !== undefined));
   }
@@ -184,7 +188,7 @@ export class Scene {
    * @param {Scale} scale
    */
   paint(context, scale) {
-    const { motion, colours, time } = this;
+    const { motion, arrows, colours, time } = this;
     const pose = this.pose();
     if (!motion || !pose) return false;
     const { size, ratio } = scale;
@@ -192,7 +196,7 @@ export class Scene {
     const pivot = place(scale, pose.across, pose.height);
     context.lineCap = context.lineJoin = "round";
     if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
-    drawMover(context, scale, motion, time, colours, this.arrows);
+    drawMover(context, scale, motion, time, colours, arrows !== null);
     drawArm(context, pivot, this.fist * size, colours);
     if (!this.held) drawTrails(context, scale, motion, time, colours);
     const balls = placed(scale, pose);
@@ -212,9 +216,11 @@ export class Scene {
       drawAngle(context, scale, this.held, motion, colours);
       return false;
     }
-    // The fastest ball of a motion that grows may be yet to come.
-    if (this.arrows && (motion.grows || !this.fastest)) this.fastest = topSpeed(motion);
-    if (this.arrows) drawArrows(context, scale, arrowsAt(motion, time, this.fastest), colours);
+    if (arrows) {
+      // The fastest ball of a motion that grows may be yet to come.
+      if (motion.grows || !this.fastest) this.fastest = arrows.topSpeed(motion);
+      arrows.drawArrows(context, scale, arrows.arrowsAt(motion, time, this.fastest), colours);
+    }
     return this.flashes.draw(context, scale, unit, colours.flash);
   }
 

@@ -1,7 +1,7 @@
 /** Where the balls of a run begin: a pointer or keys lead them there. */
 
 import { t } from "../strings.js";
-import { el } from "../page/dom.js";
+import { el, isCalm } from "../page/dom.js";
 import { followDrag } from "./drag.js";
 import { followKeys } from "../page/keys.js";
 import { poseOf } from "./motion.js";
@@ -82,7 +82,6 @@ export class Start {
   constructor(scene, clock) {
     this.scene = scene;
     this.clock = clock;
-    this.calm = matchMedia("(prefers-reduced-motion: reduce)");
     /** Called with the new angles [degrees]. @type {((degrees: number[]) => void) | null} */
     this.choose = null;
     /** @type {number[]} chosen last, in degrees */
@@ -148,7 +147,7 @@ export class Start {
   drop() {
     if (!this.led) return;
     this.led = false;
-    this.plays = !this.calm.matches;
+    this.plays = !isCalm();
     this.update();
   }
 

@@ -4,6 +4,7 @@ import { InputError } from "../model/rules.js";
 import { Offline } from "../page/api.js";
 import { el } from "../page/dom.js";
 import { inLanguage } from "../page/refusals.js";
+import { actingLink } from "../page/links.js";
 import { format } from "../page/state.js";
 import { t, tr } from "../strings.js";
 import { load, loadAll } from "./load.js";
@@ -36,12 +37,8 @@ export class StoryList {
    */
   card(name, { title, summary, steps, minutes }) {
     const state = { view: "toy", scenario: null, options: {}, extra: { "story.name": name } };
-    return el("li", { class: "card" }, el("h4", {}, el("a", { href: format(state),
-      on: { click: (/** @type {MouseEvent} */ event) => {
-        if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-        event.preventDefault();
-        void this.open(name);
-      } } }, tr(title))), el("p", {}, tr(summary)),
+    return el("li", { class: "card" }, el("h4", {},
+      actingLink(format(state), () => void this.open(name), {}, tr(title))), el("p", {}, tr(summary)),
     el("p", { class: "hint" }, t(steps ? "storiesSteps" : "storiesMinutes", { count: steps?.length ?? 0, minutes })));
   }
 

@@ -1,7 +1,6 @@
 /** What a step shows: a state of the page, and the run that belongs to it. */
 
-import { withLaws } from "../page/option_texts.js";
-import { withOptions } from "../page/links.js";
+import { withLaws, withOptions } from "../page/option_texts.js";
 import { FIRST } from "../page/state.js";
 
 /** @typedef {import("../page/state.js").State} State */

@@ -4,7 +4,7 @@ import { optionsOf } from "../model/options.js";
 import { checkedNumber, InputError } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
 import { toSi } from "../model/units.js";
-import { withOptions } from "../page/links.js";
+import { withOptions } from "../page/option_texts.js";
 import { quantity } from "./numbers.js";
 import { t } from "../strings.js";
 

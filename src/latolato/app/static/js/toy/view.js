@@ -1,17 +1,15 @@
 /** Toy: the motion, three knobs beside it, a hand that takes it, and everything else one click away. */
 
 import { firstWorker } from "../first_run.js";
-import { codeBlocks } from "../page/code.js";
-import { beforePrint, el, freshId, notify } from "../page/dom.js";
-import { Form } from "../page/form.js";
+import { beforePrint, el, freshId, isCalm } from "../page/dom.js";
 import { followKeys } from "../page/keys.js";
 import { Knobs } from "../page/knobs.js";
-import { naturalFrequency, withLaws } from "../page/option_texts.js";
-import { openLink } from "../page/links.js";
+import { hungOn, naturalFrequency, withLaws, withOptions } from "../page/option_texts.js";
+import { actingLink, openLink } from "../page/links.js";
+import { sayOffline } from "../page/messages.js";
 import { Motion } from "../player/motion.js";
 import { Player } from "../player/player.js";
 import { presetField } from "../page/presets.js";
-import { sentence, waysOn } from "../page/link_parts.js";
 import { inPagesWords, warningsText } from "../page/refusals.js";
 import { LongRunError, Runner } from "../player/runner.js";
 import { withStart } from "../player/start.js";
@@ -33,13 +31,18 @@ export class ToyView {
   constructor(page) {
     this.page = page;
     this.runner = new Runner(page.registry, firstWorker);
-    const form = el("form", { class: "form", on: {
+    this.fields = el("form", { class: "form", on: {
       submit: (/** @type {Event} */ e) => e.preventDefault() } });
-    this.form = new Form(form, page.registry, page.store);
+    /** See `makeForm`. @type {import("../page/form.js").Form | null} */
+    this.form = null;
+    /** What the run on show had, in SI units. @type {Record<string, any>} */
+    this.resolved = {};
+    /** Why there is no such run as asked for. @type {Error | null} */
+    this.refused = null;
     this.presets = presetField(page);
     this.knobs = new Knobs(page.registry, (name, text, value) => {
       if (this.hand?.isOn) this.hand.turn(name, Number(value));
-      else this.form.give(name, text || null);
+      else this.give({ [name]: text || null });
     });
     /** What was played by hand and no address describes. @type {import("../page/block.js").Block | null} */
     this.kept = null;
@@ -51,44 +54,41 @@ export class ToyView {
     this.reset = el("button", { type: "button", class: "reset", on: { click: () =>
       page.store.set({ options: {} }, "preset") } }, t("reset"));
     this.code = el("div", {});
-    const drawer = (/** @type {string} */ name, /** @type {(Node | string)[]} */ ...content) =>
-      el("details", { class: "card" }, el("summary", {}, t(name)), ...content);
-    this.more = drawer("moreParameters", form);
-    this.drawer = drawer("download");
-    this.drawer.classList.add("downloads", "of-run");
-    this.drawer.addEventListener("toggle", () => void this.openDownloads());
+    const drawer = (/** @type {string} */ name, /** @type {string} */ looks, /** @type {() => Promise<void>} */ fill,
+      /** @type {(Node | string)[]} */ ...content) => el("details", { class: looks,
+      on: { toggle: () => void fill() } }, el("summary", {}, t(name)), ...content);
+    this.more = drawer("moreParameters", "card", () => this.makeForm(), this.fields);
+    this.drawer = drawer("download", "card downloads of-run", () => this.openDownloads());
     /** Made when its drawer is first opened. @type {import("./downloads.js").Downloads | null} */
     this.downloads = null;
     /** Whose files it offers: the run on show. @type {Parameters<import("./downloads.js").Downloads["show"]> | null} */
     this.offered = null;
-    this.lines = drawer("code", el("p", { class: "hint" }, t("codeHint")), this.code);
-    this.lines.classList.add("of-run");
+    this.lines = drawer("code", "card of-run", () => this.showCode(), el("p", { class: "hint" }, t("codeHint")), this.code);
     const place = el("div", { class: "player" });
     this.player = new Player(place);
-    this.player.accessibility.liveRegion.nameOf = (name) => this.knobs.inWords().options[name]?.label;
+    this.player.accessibility.nameOf = (name) => this.knobs.inWords().options[name]?.label;
     this.player.start.enable((degrees) => this.startAt(degrees));
     this.player.button?.after(this.hold);
-    this.presets.head.append(this.reset, this.makePin());
+    const pin = el("button", { type: "button", class: "of-run", on: { click: () => {
+      pin.textContent = t(this.player.togglePin() ? "unpin" : "pin");
+    } } }, t("pin"));
+    this.presets.head.append(this.reset, pin);
     const hangId = freshId();
-    this.hang = el("select", { id: hangId, on: { change: () => this.form.hangOn(this.hang.value) } },
+    this.hang = el("select", { id: hangId, on: { change: () => this.give(hungOn(page.store.state.options, this.resolved, this.hang.value)) } },
       ...["rod", "string"].map((each) => el("option", { value: each }, tr(each))));
     this.hanging = el("div", { class: "field hanging" }, el("label", { for: hangId }, t("hangsOn")), this.hang);
     this.highest = el("span", {});
     this.answer = el("span", { hidden: true }, ...Object.entries(STORIES).flatMap(
       ([name, title]) => [" ", openLink(page, { view: "toy", scenario: null, options: {},
         extra: { "story.name": name } }, tr(title))]));
-    const stories = el("a", { href: "?view=toy&story.list=1", class: "open", on: { click: (/** @type {MouseEvent} */ event) => {
-      if (event.ctrlKey || event.metaKey || event.shiftKey) return;
-      event.preventDefault();
-      page.store.keep("story.list", "1");
-    } } }, t("stories"));
+    const stories = actingLink("?view=toy&story.list=1", () => page.store.keep("story.list", "1"),
+      { class: "open" }, t("stories"));
     this.presets.told.append(this.highest, this.answer);
     this.presets.field.append(el("p", { class: "stories-link" }, stories));
     this.player.clock.subscribe((time) => this.tellHighest(time));
     place.prepend(el("div", { class: "desk" }, this.presets.headline, this.player.bench,
       el("aside", { class: "side" }, el("div", { class: "card" }, this.presets.field, this.hanging), this.knobs.root,
-        el("div", { class: "drawers" }, this.more, this.drawer,
-          this.lines))));
+        el("div", { class: "drawers" }, this.more, this.drawer, this.lines))));
     this.root = el("div", { class: "view toy" }, place);
     /** Whether a slider moves, and whether the last run was therefore thinned. */
     this.isSliding = this.isThinned = false;
@@ -101,13 +101,6 @@ export class ToyView {
     /** @type {(() => void)[]} what ends listening */
     this.releases = [];
     this.endKeys = () => {};
-  }
-
-  makePin() {
-    const pin = el("button", { type: "button", class: "of-run", on: { click: () => {
-      pin.textContent = t(this.player.togglePin() ? "unpin" : "pin");
-    } } }, t("pin"));
-    return pin;
   }
 
   /** Return a picture of the stage. */
@@ -164,7 +157,7 @@ export class ToyView {
     if (changed === "extra") return;
     // Whoever changes a parameter wants a run of these parameters.
     this.kept = null;
-    if (changed === "preset") this.form.forget();
+    if (changed === "preset") this.form?.forget();
     if (isHeld) {
       this.hand?.follow(changed === "address");
       return;
@@ -188,8 +181,7 @@ export class ToyView {
     await this.hand.take(isPressed);
     if (!this.hand.isOn) return;
     this.listen();
-    const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (wasShown || !isCalm) clock.play();
+    if (wasShown || !isCalm()) clock.play();
   }
 
   /** Let the toy go: the run of the address, or what was kept, is on show again. */
@@ -233,9 +225,7 @@ export class ToyView {
     this.presets.show(scenario);
     this.answer.hidden = true;
     this.reset.classList.toggle("idle", !scenario || Object.keys(this.page.store.state.options).length === 0);
-    this.form.build();
-    this.form.show(options);
-    this.showHanging(options);
+    this.showOptions(options);
     this.root.dataset.ready = "true";
   }
 
@@ -310,7 +300,6 @@ export class ToyView {
     this.presets.show(scenario);
     this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
-    // The form is made while the worker computes.
     const waiting = setTimeout(() => {
       this.wait();
       // The button that agreed is gone.
@@ -320,17 +309,16 @@ export class ToyView {
     this.isThinned = this.isSliding;
     const pending = kept ? Promise.resolve(kept)
       : this.runner.compute({ scenario, options }, { isAgreed, stretch: this.isThinned ? this.stretch : null });
-    this.form.build();
     try {
       const block = await pending;
       // A run that was under way when another preset was chosen.
       if (store.state.scenario !== chosen || this.hand?.isOn || this.kept !== kept) return;
       const motion = new Motion(block);
-      this.form.show(block.about.options);
+      this.showOptions(block.about.options);
       this.showKnobs(motion, scenario);
       this.player.show(motion);
       this.note(warningsText(block.about.warnings));
-      this.showCode(block.about);
+      void this.showCode();
       this.offered = [{ scenario, options }, block.about.balls.length > 1, kept];
       this.downloads?.show(...this.offered);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
@@ -352,8 +340,7 @@ export class ToyView {
   begin() {
     if (this.hasBegun) return;
     this.hasBegun = true;
-    const isCalm = matchMedia("(prefers-reduced-motion: reduce)").matches;
-    if (!isCalm) this.player.clock.play();
+    if (!isCalm()) this.player.clock.play();
   }
 
   /**
@@ -367,7 +354,34 @@ export class ToyView {
     this.knobs.showRun(motion, own, scenario ?? "");
     if (scenario === FIRST && Object.keys(own).every((name) => FREE.includes(name)))
       this.knobs.explain(naturalFrequency(options), t("toyAnswer"));
+  }
+
+  /**
+   * Set some options, null takes one back.
+   * @param {Record<string, string | null>} changed
+   */
+  give(changed) {
+    const { registry, store } = this.page;
+    store.set({ options: withOptions(registry, store.state.options, changed) });
+  }
+
+  /**
+   * Show what a run has.
+   * @param {Record<string, any>} options in SI units
+   */
+  showOptions(options) {
+    this.resolved = options;
+    this.refused = null;
+    this.form?.show(options);
     this.showHanging(options);
+  }
+
+  /** Make the form of all parameters, which nobody needs until its drawer is opened or a run is refused. */
+  async makeForm() {
+    const module = await import("../page/form.js").catch(sayOffline);
+    if (!module || this.form) return;
+    this.form = new module.Form(this.fields, this.page.registry, this.page.store);
+    this.form.show(this.resolved);
   }
 
   /**
@@ -393,12 +407,15 @@ export class ToyView {
    * Say why there is no such run: on the stage, and beside its knob and field.
    * @param {Error} error
    */
-  refuse(error) {
-    const ofForm = this.form.registryInWords;
+  async refuse(error) {
+    this.refused = error;
+    const [module] = await Promise.all([import("../page/link_parts.js").catch(sayOffline), this.makeForm()]);
+    if (!module || this.refused !== error) return;
+    const ofForm = this.form?.registryInWords ?? this.page.registry;
     const ofKnobs = this.knobs.inWords(ofForm);
-    this.form.error(...inPagesWords(ofForm, error));
+    this.form?.error(...inPagesWords(ofForm, error));
     this.knobs.error(...inPagesWords(ofKnobs, error));
-    this.note(sentence(ofKnobs, error), waysOn({ ...this.page, registry: ofForm }, error), true);
+    this.note(module.sentence(ofKnobs, error), module.waysOn({ ...this.page, registry: ofForm }, error), true);
   }
 
   /**
@@ -414,15 +431,18 @@ export class ToyView {
   /** Make the menu of files when its drawer is first opened. */
   async openDownloads() {
     if (this.downloads || !this.drawer.open) return;
-    const module = await import("./downloads.js").catch(() => notify(t("offline")));
+    const module = await import("./downloads.js").catch(sayOffline);
     if (!module || this.downloads) return;
     this.downloads = new module.Downloads(this.page, this.drawer);
     if (this.offered) this.downloads.show(...this.offered);
   }
 
-  /** @param {any} about */
-  showCode(about) {
-    this.lines.hidden = !about.python;
-    this.code.replaceChildren(...codeBlocks([about.python, about.command].filter(Boolean)));
+  /** Show the lines that make the run on show, while their drawer is open. */
+  async showCode() {
+    const { python, command } = this.player.motion?.about ?? {};
+    this.lines.hidden = !python;
+    if (!this.lines.open) return;
+    const module = await import("../page/code.js").catch(sayOffline);
+    if (module) this.code.replaceChildren(...module.codeBlocks([python, command].filter(Boolean)));
   }
 }
