@@ -177,6 +177,14 @@ def test_what_is_known_beforehand_narrows_what_samples_leave_open(swing, quick):
     assert abs(ratio.mean() - 9.8 / 0.363) < 5.0 * ratio.std()
 
 
+def test_samples_that_contradict_a_prior_are_no_result(swing, quick):
+    quick()
+    off = fit_posterior(swing, replace(SWING, length=0.35), prior={"length": 1e-3})
+    assert not off.describes
+    assert "The samples contradict the prior of length" in off.verdict
+    assert "13 prior standard deviations" in off.verdict
+
+
 def test_a_restitution_near_one_stays_below_it(quick):
     quick()
     bouncy = replace(TOY, restitution=0.999)

@@ -433,7 +433,7 @@ def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
     scatter is judged.
     """
     data, solution, model = found.data, found.solution, found.model
-    few = pivot_doubt(solution) or misfit_doubt(solution, data)
+    few = pivot_doubt(solution) or _prior_doubt(found) or misfit_doubt(solution, data)
     if few is None and len(model.windows) == 1 and model.angles == 1:
         whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
         place = place_of_change(data, whole, _SHORTEST * found.period)
@@ -446,6 +446,20 @@ def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
                 at,
             )
     return few or Adequacy()
+
+
+def _prior_doubt(found: Described) -> Adequacy | None:
+    """Return the doubt in a fit whose samples contradict a prior, None without."""
+    for name, times in found.solution.beyond_priors.items():
+        if name in found.names:
+            estimate = found.solution.estimate(name, quantity_of(name).unit)
+            return Adequacy(
+                f"The samples contradict the prior of {name}: together they give {estimate}, "
+                f"{abs(times):.2g} prior standard deviations from the value that was given.",
+                "prior",
+                is_in_record=False,
+            )
+    return None
 
 
 def _verdict(

@@ -584,7 +584,7 @@ def _doubt_of_chains(
     name = max(rhat, key=lambda each: rhat[each])
     if not rhat[name] <= _LARGEST_RHAT:
         return Adequacy(
-            f"The chains do not agree: R-hat is {rhat[name]:.3g} for {name}, and should be at "
+            f"The chains do not agree: R-hat is {rhat[name]:.3f} for {name}, and should be at "
             f"most {_LARGEST_RHAT}. More draws may help.",
             "chains",
             is_in_record=False,
