@@ -196,6 +196,17 @@ def test_two_balls_in_sticking_contact(frame):
     assert worst(system, HARMONIC, TWO, names) < ENOUGH
 
 
+def test_balls_that_an_inelastic_impact_brings_together_are_pressed_by_their_drag_afterwards():
+    """Drag on their velocities before it would pull them apart."""
+    system = replace(PAIR, restitution=0.0, left=replace(PAIR.left, damping=0.2))
+    drive = replace(STRONG, drive_amplitude=0.4, drive_phase=4.0)
+    run = record(system, drive, times=TIMES, sensitivity_to="right_mass", **TWO)
+    assert list(run["contact_kind"][:2]) == ["bottom", "rest"]
+    assert run["contact_time"][0] == run["contact_time"][1]
+    assert run.attrs["sensitivity_status"] == "known"
+    assert not np.any(run["capture_loss"])
+
+
 def test_a_string_that_goes_slack_and_tightens():
     system = replace(PENDULUM, suspension="string")
     start = {"initial_angle": 2.2, "initial_angular_velocity": 0.5}

@@ -150,10 +150,9 @@ def make_events(
         one, two = run.now[0], run.now[1]
         i1, i2 = run.bodies[0].inertia, run.bodies[1].inertia
         speed, e = one.velocity - two.velocity, run.settings.restitution
-        presses = balls.separation_acceleration(run, side, run.t, run.now) <= 0.0
         energy = 0.5 * i1 * i2 / (i1 + i2) * speed * speed
         slow = speed == 0.0 or (e < 1.0 and abs(speed) <= 2.0 * run.settings.rest_speed)
-        captures = presses and slow
+        captures = slow and balls.separation_acceleration(run, side, run.t, run.now) <= 0.0
         if captures:
             e = 0.0
         one.velocity, two.velocity = pair_impact(one.velocity, two.velocity, i1, i2, e)
@@ -166,7 +165,9 @@ def make_events(
             run.state.capture_loss += energy
         else:
             run.state.impact_loss += energy * (1.0 - e * e)
-        return captures or (presses and joins)
+        # Drag pulls at the balls as they move now.
+        presses = joins and balls.separation_acceleration(run, side, run.t, run.now) <= 0.0
+        return captures or presses
 
     @part
     def apply_impact(run: Run, output: Output, accumulators: Accumulators) -> None:
