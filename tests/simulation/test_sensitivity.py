@@ -123,6 +123,12 @@ def test_flights_without_walls(system, drive, names):
             ("drive_amplitude", "drive_frequency", "drive_frequency_final", "sweep_time"),
         ),
         (
+            ll.Chirp(
+                drive_amplitude=0.1, drive_frequency=6.0, drive_frequency_final=6.0, sweep_time=2.3
+            ),
+            ("drive_frequency", "drive_frequency_final"),
+        ),
+        (
             ll.CrankSlider(drive_amplitude=0.1, drive_frequency=6.0, connecting_rod_length=0.25),
             ("drive_amplitude", "connecting_rod_length", "drive_frequency"),
         ),
@@ -502,3 +508,31 @@ class TestRefusals:
         drive = replace(HARMONIC, drive_frequency=0.0)
         with pytest.raises(InputError, match="sets no amplitude at frequency 0"):
             ll.simulate(TOY, drive, duration=1.0, sensitivity_to="drive_acceleration_ratio", **ONE)
+
+    @pytest.mark.parametrize(
+        "drive, name",
+        [
+            (
+                ll.FrequencySchedule(
+                    drive_amplitude=0.1, times=[0, 0.5], drive_frequencies=[5.0, 7.0]
+                ),
+                "ramp",
+            ),
+            (
+                ll.PlanarHarmonic(
+                    vertical_amplitude=0.1, horizontal_amplitude=0.0, drive_frequency=6.0
+                ),
+                "horizontal_amplitude",
+            ),
+        ],
+    )
+    def test_a_value_with_a_formula_of_its_own_has_no_derivative(self, drive, name):
+        with pytest.raises(InputError, match="a formula of its own"):
+            ll.simulate(PENDULUM, drive, duration=1.0, sensitivity_to=name, **ONE)
+
+    def test_the_sigma_of_a_table_is_no_parameter_of_a_motion(self):
+        times = np.linspace(0.0, 2.0, 41)
+        heights = 0.1 * np.sin(6.0 * times)
+        drive = ll.MeasuredPivot(times=times, pivot_heights=heights, height_sigma=1e-3)
+        with pytest.raises(InputError, match="no parameter 'height_sigma'"):
+            ll.simulate(TOY, drive, duration=1.0, sensitivity_to="height_sigma", **ONE)

@@ -102,10 +102,11 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
 
 def known_parameters(plan: RunPlan) -> dict[str, Parameter]:
     """Return the parameters of a run that are numbers of its laws or of its start."""
+    # Strings are taut at the start, and the sigmas of a table choose the knots of a spline.
     known = {
         name: parameter
         for name, parameter in parameters_of(plan.system, plan.drive).items()
-        if not name.startswith("initial_distance")  # strings are taut at the start
+        if not name.startswith("initial_distance") and not name.endswith("_sigma")
     }
     if plan.offset is None:
         known.pop("initial_offset", None)
@@ -363,12 +364,28 @@ def numbers_of(
 
 
 def segments_of(drives: Sequence[Any], end: float) -> Numbers:
-    """Return the segments of drives up to `end` [s], as many for each as the first one has."""
+    """Return the segments of drives up to `end` [s], as many for each as the first one has.
+
+    Raises
+    ------
+    InputError
+        If the first one moves by a formula of its own, which has no derivatives then.
+    """
     first, *others = drives
     segments = records.segment_records(first, end)
-    # One that begins close to the end begins later for another value of the parameter.
-    later = [records.segment_records(drive, _BEYOND * end) for drive in others]
-    return {"segments": np.array([segments, *(each[: len(segments)] for each in later)])}
+    result = [segments]
+    for drive in others:
+        # One that begins close to the end begins later for another value of the parameter.
+        later = records.segment_records(drive, _BEYOND * end)[: len(segments)]
+        same_forms = np.array_equal(later["form"], segments["form"])
+        if not same_forms or drive.moves_across != first.moves_across:
+            raise InputError(
+                "names a parameter at whose value the drive moves by a formula of its own",
+                parameter="sensitivity_to",
+                way_out="change its value a little",
+            )
+        result.append(later)
+    return {"segments": np.array(result)}
 
 
 def batches_of(parameters: Sequence[Parameter]) -> list[Sequence[Parameter]]:

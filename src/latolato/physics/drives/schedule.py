@@ -50,8 +50,7 @@ def write_chirp(out: Any, drive: Any) -> int:
     """Write both segments of a `Chirp`; return 2."""
     first, last = drive.drive_frequency, drive.drive_frequency_final
     rate = (last - first) / drive.sweep_time
-    form = COSINE if rate == 0.0 else SWEPT
-    write_segment(out[0], 0.0, form, drive.drive_phase, first, rate, drive.drive_amplitude)
+    write_segment(out[0], 0.0, SWEPT, drive.drive_phase, first, rate, drive.drive_amplitude)
     return write_next(out, 1, drive.sweep_time, last, 0.0)
 
 
