@@ -20,11 +20,12 @@ from latolato.experiment.fits.least_squares import (
     Solution,
     solve,
 )
-from latolato.experiment.fits.motion import angles_at, step_of
+from latolato.experiment.fits.motion import motion_at, step_of
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
 from latolato.experiment.fits.windows import START, WindowedModel
+from latolato.numerics.integrate import Start
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import Ball, Pendulum
 
@@ -130,10 +131,9 @@ def state_at(p: Mapping[str, float], late: float) -> tuple[float, float]:
     system = _pendulum(p["natural_frequency"], drags)
     largest = amplitude_at(*begin, p["natural_frequency"])
     step = step_of(system, FixedPivot(), 2.0 * p["natural_frequency"] * math.sin(0.5 * largest))
-    tiny = 1e-5
-    times = np.array([late, late + tiny])
-    one, other = angles_at(system, FixedPivot(), begin[:1], begin[1:], times, step=step)[0]
-    return float(one), float(other - one) / tiny
+    start = Start(begin[:1], begin[1:])
+    angles, velocities, _ = motion_at(system, FixedPivot(), start, np.array([late]), step=step)
+    return float(angles[0, 0]), float(velocities[0, 0])
 
 
 def amplitude_at(angle: float, velocity: float, frequency: float) -> float:

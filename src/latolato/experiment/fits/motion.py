@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -11,15 +10,16 @@ from latolato.experiment.fits.least_squares import Floats
 from latolato.numerics.integrate import Directions, Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
 from latolato.numerics.steppers import BLANES_MOAN_GENERAL
-from latolato.physics.contacts import ContactLaw, PassThrough
-from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, Segment
+from latolato.physics.contacts import ExactContact
+from latolato.physics.drives import Drive, MeasuredPivot, Segment
 from latolato.physics.pendulum import System
 
 # Aimed-at error of fitted angles [rad]; a camera sees a thousandth at best.
 _TOLERANCE = 1e-8
 # Balls that part more slowly rest on each other [rad/s].
 _REST_SPEED = 1e-5
-_PASS_THROUGH = PassThrough()
+# What happens where balls meet.
+EXACT = ExactContact()
 
 
 class LaterDrive:
@@ -56,17 +56,16 @@ def step_of(system: System, drive: Any, speed: float) -> float:
     return step_for(rate, _TOLERANCE, choose_stepper(system) is BLANES_MOAN_GENERAL)
 
 
-def angles_at(
+def motion_at(
     system: System,
     drive: Any,
-    angles: Sequence[float],
-    velocities: Sequence[float],
+    start: Start,
     times: Floats,
+    directions: Directions | None = None,
     *,
     step: float,
-    law: ContactLaw = _PASS_THROUGH,
-) -> Floats:
-    """Return angles at instants from 0 on, shape (angle, time) [rad]; NaN where the motion fails.
+) -> tuple[Floats, Floats, Floats]:
+    """Return angles and angular velocities at instants, and derivatives of the angles.
 
     Parameters
     ----------
@@ -74,41 +73,29 @@ def angles_at(
         What moves.
     drive : Drive or LaterDrive
         How the pivot moves.
-    angles, velocities : sequence of float
-        The start, right ball first [rad, rad/s].
+    start : Start
+        Angles and angular velocities at time 0 [rad, rad/s].
     times : ndarray, shape (time,)
-        Increasing instants [s].
+        Increasing instants from 0 on [s].
+    directions : Directions, optional
+        Those in which derivatives are taken.
     step : float
         Step of the integrator [s].
-    law : ContactLaw
-        What happens where balls meet.
-    """
-    start = Start(tuple(map(float, angles)), tuple(map(float, velocities)))
-    found, _ = angles_with_slopes(system, drive, start, times, None, step=step, law=law)
-    return found
 
-
-def angles_with_slopes(
-    system: System,
-    drive: Any,
-    start: Start,
-    times: Floats,
-    directions: Directions | None,
-    *,
-    step: float,
-    law: ContactLaw = _PASS_THROUGH,
-) -> tuple[Floats, Floats]:
-    """Return the same, and their derivatives in some directions.
-
-    Those have the shape (direction, angle, time); NaN where they do not exist.
+    Returns
+    -------
+    angles, velocities : ndarray, shape (angle, time)
+        Right ball first [rad, rad/s]; NaN where the motion fails.
+    slopes : ndarray, shape (direction, angle, time)
+        NaN where they do not exist.
     """
     run = integrate(
         system,
-        drive if drive is not None else FixedPivot(),
+        drive,
         start,
         np.ascontiguousarray(times, dtype=np.float64),
         max(float(times[-1]), 1e-9),
-        law=law,
+        law=EXACT,
         step=step,
         rest_speed=_REST_SPEED,
         contact_limit=10_000,
@@ -117,4 +104,4 @@ def angles_with_slopes(
     size = 2 * system.angles
     count = 0 if directions is None else len(directions.changes)
     rows = run.samples[len(run.samples) - size * count :].reshape(count, size, len(times))
-    return run.samples[0:size:2], rows[:, 0::2]
+    return run.samples[0:size:2], run.samples[1:size:2], rows[:, 0::2]

@@ -91,7 +91,7 @@ class Sight:
         speeds = _speeds(data)
         return cls(speeds / max(float(np.max(speeds)), 1e-9), drop_of(data.values))
 
-    def seen(self, angles: Floats, p: Mapping[str, float], nearer: float = 1.0) -> Floats:
+    def seen(self, angles: Floats, p: Mapping[str, float], nearer: float | Floats = 1.0) -> Floats:
         """Return angles [rad] as a table sees them.
 
         Parameters
@@ -101,7 +101,7 @@ class Sight:
         p : mapping of str to float
             May hold those of `SEEN`, of which ``angle_offset`` is the angle of the hanging ball in
             the table [rad].
-        nearer : float
+        nearer : float or ndarray, shape (sample,)
             Distance over which errors are stated, over that of the ball.
 
         Notes
@@ -119,12 +119,8 @@ class Sight:
         sine, cosine = np.sin(angles), np.cos(angles)
         turned = np.arctan2(-u * cosine - v * sine, 1.0 - u * sine + v * cosine)
         bent = nearer * p.get(BENT, 0.0) / self.drop * sine * (1.0 - cosine)
-        apparent: Floats = angles + turned + bent + (offset + math.atan2(aside, 1.0 + above))
+        apparent: Floats = angles + turned + bent + (offset + np.arctan2(aside, 1.0 + above))
         return apparent
-
-    def part(self, chosen: Any) -> Sight:
-        """Return that of some of the samples."""
-        return Sight(self.smears[chosen], self.drop)
 
 
 def pivot_doubt(solution: Solution) -> Adequacy | None:

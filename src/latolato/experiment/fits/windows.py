@@ -13,11 +13,10 @@ from numpy.typing import NDArray
 
 from latolato.core.quantities import Range
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
-from latolato.experiment.fits.motion import LaterDrive, angles_at, angles_with_slopes, step_of
+from latolato.experiment.fits.motion import EXACT, LaterDrive, motion_at, step_of
 from latolato.experiment.fits.sight import SEEN, Sight, drop_of
 from latolato.numerics.integrate import Start
 from latolato.numerics.run_record import MOST_PARAMETERS
-from latolato.physics.contacts import ExactContact
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.drives.segment import CHANGES
 from latolato.physics.pendulum import System
@@ -32,7 +31,6 @@ _RELATIVE, _ABSOLUTE = 1e-5, 1e-6
 _WILD = 10.0
 # Parameters of the start of one angle in one window.
 START = ("initial_angle", "initial_angular_velocity")
-_EXACT = ExactContact()
 Laws = Callable[[Mapping[str, float]], tuple[System, Drive]]
 
 
@@ -50,18 +48,18 @@ class Window:
     ----------
     begin : float
         Instant of the start [s].
-    places : list of ndarray of int
-        For each angle where its samples are in the data.
-    times : ndarray
+    places : ndarray of int, shape (sample,)
+        Where its samples are in the data.
+    times : ndarray, shape (time,)
         Instants of all of them from `begin` on, each once [s].
-    inside : list of ndarray of int
-        For each angle the place of its samples in `times`.
+    inside : tuple of ndarray of int, shape (sample,)
+        Number of the angle and place in `times` of each sample.
     """
 
     begin: float
-    places: list[NDArray[np.int64]]
+    places: NDArray[np.int64]
     times: Floats
-    inside: list[NDArray[np.int64]]
+    inside: tuple[NDArray[np.int64], NDArray[np.int64]]
 
 
 class WindowedModel:
@@ -77,7 +75,7 @@ class WindowedModel:
         system, drive = laws({name: guess.value for name, guess in shared.items()})
         self.angles = system.angles
         self._sight = Sight.of(data)
-        self.windows = _windows(data, begins, self.angles)
+        self.windows = _windows(data, begins)
         self._window_of = {
             name: k for k, _ in enumerate(self.windows) for j in range(self.angles)
             for name in start_names(k, j)
@@ -143,7 +141,7 @@ class WindowedModel:
         system, drives = self._laws(p)
         for k in range(len(self.windows)):
             moving = self._moving(names, k)
-            self._run_with_slopes(motion, slopes, system, drives[k], p, k, moving, directions[k])
+            self._run(motion, slopes, system, drives[k], p, k, moving, directions[k])
         middle = self._seen(motion, p)
         above, below = self._seen(motion + _ABSOLUTE, p), self._seen(motion - _ABSOLUTE, p)
         matrix = slopes * ((above - below) / (2.0 * _ABSOLUTE))[:, None]
@@ -195,12 +193,12 @@ class WindowedModel:
             pairs = [self.laws({**p, name: value}) for value in values]
             if self._held:  # of a measured pivot there are thousands
                 laws = [(law, drive, begun) for law, _ in pairs]
-                return numbers_of(laws, end, _EXACT, self.step)
+                return numbers_of(laws, end, EXACT, self.step)
             moved = [(law, self._later(other, window), begun) for law, other in pairs]
-            own = numbers_of(moved, end, _EXACT, self.step)
+            own = numbers_of(moved, end, EXACT, self.step)
             return own | segments_of([later for _, later, _ in moved], end)
 
-        still = numbers_of([(system, drive, begun)], end, _EXACT, self.step)
+        still = numbers_of([(system, drive, begun)], end, EXACT, self.step)
         still |= segments_of([drive], end)
         unchanged = {name: np.zeros_like(values[0]) for name, values in still.items()}
         units = [name for j in range(self.angles) for name in start_names(k, j)]
@@ -218,57 +216,48 @@ class WindowedModel:
             directions.append(own)
         return directions
 
-    def _run_with_slopes(
+    def _run(
         self, out: Floats, slopes: Floats, system: System, drive: LaterDrive,
         p: Mapping[str, float], k: int, moving: NDArray[np.int64], directions: list[Numbers],
     ) -> None:  # fmt: skip
         """Write the angles of one window, and their derivatives by some of the parameters."""
-        window = self.windows[k]
-        if len(directions) < len(moving):
-            self._run(out, system, drive, p, k)
-            for places in window.places:
-                slopes[np.ix_(places, moving)] = math.nan
-            return
-        begun = self._begun(system, p, k)
+        window, begun = self.windows[k], self._begun(system, p, k)
+        if len(directions) < len(moving):  # a drive with formulas of its own has none
+            slopes[np.ix_(window.places, moving)] = math.nan
+            moving = moving[:0]
         for first in range(0, max(len(moving), 1), MOST_PARAMETERS):
             some = moving[first : first + MOST_PARAMETERS]
             chosen = joined(directions[first : first + MOST_PARAMETERS]) if len(some) else None
-            angles, derivatives = angles_with_slopes(
-                system, drive, begun, window.times, chosen, step=self.step, law=_EXACT
+            angles, _, derivatives = motion_at(
+                system, drive, begun, window.times, chosen, step=self.step
             )
+            # A trial too wild to be followed to the end is a bad fit, not an error.
             wild = ~np.isfinite(angles)
-            for j in range(self.angles):
-                own_places, inside = window.places[j], window.inside[j]
-                out[own_places] = np.where(wild[j], _WILD, angles[j])[inside]
-                if len(some):
-                    found = np.where(wild[j], 0.0, derivatives[:, j])[:, inside].T
-                    slopes[np.ix_(own_places, some)] = found
+            out[window.places] = np.where(wild, _WILD, angles)[window.inside]
+            if len(some):
+                found = np.where(wild, 0.0, derivatives)[:, *window.inside]
+                slopes[np.ix_(window.places, some)] = found.T
 
     def _begun(self, system: System, p: Mapping[str, float], k: int) -> Start:
         """Return the start of a window, clear of the walls."""
-        state = self._start(p, k)
-        angles = _within_walls(system, state[:, 0])
-        return Start(tuple(angles.tolist()), tuple(state[:, 1].tolist()))
+        names = [start_names(k, j) for j in range(self.angles)]
+        angles = _within_walls(system, np.array([p[angle] for angle, _ in names]))
+        return Start(tuple(angles.tolist()), tuple(p[velocity] for _, velocity in names))
 
     def _moved(self, p: Mapping[str, float]) -> Floats:
         """Return the true angles at the samples [rad]."""
         system, drives = self._laws(p)
-        out = np.empty(len(self.data))
+        out, slopes = np.empty(len(self.data)), np.empty((len(self.data), 0))
         for k in range(len(self.windows)):
-            self._run(out, system, drives[k], p, k)
+            self._run(out, slopes, system, drives[k], p, k, np.empty(0, dtype=np.int64), [])
         return out
 
     def _seen(self, angles: Floats, p: Mapping[str, float]) -> Floats:
         """Return the angles at the samples as they are seen about the table's pivot [rad]."""
         if self.angles == 1:
             return self._sight.seen(angles, p)
-        lengths = [ball.length for ball in self.laws(p)[0].balls]
-        mean = sum(lengths) / len(lengths)
-        out = np.empty_like(angles)
-        for j, length in enumerate(lengths):
-            own = self.data.series == j + 1
-            out[own] = self._sight.part(own).seen(angles[own], p, mean / length)
-        return out
+        lengths = np.array([ball.length for ball in self.laws(p)[0].balls])
+        return self._sight.seen(angles, p, (lengths.mean() / lengths)[self.data.series - 1])
 
     def states_at(self, p: Mapping[str, float], begins: Floats) -> Floats:
         """Return angles and velocities of the solution at instants, shape (instant, angle, 2)."""
@@ -277,15 +266,12 @@ class WindowedModel:
         out = np.empty((len(begins), self.angles, 2))
         for i, instant in enumerate(begins):
             k = max(int(np.searchsorted(starts, instant + 1e-9)) - 1, 0)
-            state = self._start(p, k)
-            late = instant - starts[k]
-            if late <= 1e-9:
-                out[i] = state
-                continue
-            tiny = 1e-6
-            ends = self._angles(system, drives[k], state, np.array([late, late + tiny]))
-            out[i, :, 0] = ends[:, 0]
-            out[i, :, 1] = (ends[:, 1] - ends[:, 0]) / tiny
+            begun, late = self._begun(system, p, k), instant - starts[k]
+            state: Any = begun.angles, begun.velocities
+            if late > 1e-9:
+                times = np.array([late])
+                *state, _ = motion_at(system, drives[k], begun, times, step=self.step)
+            out[i] = np.column_stack(state)
         return out
 
     def _laws(self, p: Mapping[str, float]) -> tuple[System, list[LaterDrive]]:
@@ -297,40 +283,16 @@ class WindowedModel:
         """Return the drive with its time counted from the start of a window."""
         return LaterDrive(drive, window.begin - self.origin, float(window.times[-1]) + 1e-5)
 
-    def _start(self, p: Mapping[str, float], k: int) -> Floats:
-        """Return the state at the start of a window, shape (angle, 2)."""
-        return np.array([[p[name] for name in start_names(k, j)] for j in range(self.angles)])
 
-    def _run(
-        self, out: Floats, system: System, drive: LaterDrive, p: Mapping[str, float], k: int
-    ) -> None:
-        """Write the angles of one window."""
-        window = self.windows[k]
-        angles = self._angles(system, drive, self._start(p, k), window.times)
-        for j in range(self.angles):
-            out[window.places[j]] = angles[j, window.inside[j]]
-
-    def _angles(self, system: System, drive: Any, state: Floats, times: Floats) -> Floats:
-        """Return angles at instants, shape (angle, instant)."""
-        begun = _within_walls(system, state[:, 0])
-        start = begun.tolist(), state[:, 1].tolist()
-        angles = angles_at(system, drive, *start, times, step=self.step, law=_EXACT)
-        # A trial too wild to be followed to the end is a bad fit, not an error.
-        return np.where(np.isfinite(angles), angles, _WILD)
-
-
-def _windows(data: Data, begins: Floats, angles: int) -> list[Window]:
+def _windows(data: Data, begins: Floats) -> list[Window]:
     """Return the pieces of the samples that begin at these instants."""
     ends = [*begins[1:], math.inf]
     windows = []
     for begin, end in zip(begins, ends, strict=True):
-        chosen = (data.times >= begin - 1e-9) & (data.times < end - 1e-9)
-        places = [np.flatnonzero(chosen & (data.series == j + 1)) for j in range(angles)]
-        times = np.unique(np.maximum(data.times[chosen] - begin, 0.0))
-        inside = [
-            np.searchsorted(times, np.maximum(data.times[place] - begin, 0.0)) for place in places
-        ]
-        windows.append(Window(float(begin), places, times, inside))
+        places = np.flatnonzero((data.times >= begin - 1e-9) & (data.times < end - 1e-9))
+        late = np.maximum(data.times[places] - begin, 0.0)
+        times, inside = np.unique(late, return_inverse=True)
+        windows.append(Window(float(begin), places, times, (data.series[places] - 1, inside)))
     return windows
 
 
@@ -362,7 +324,7 @@ def _within_walls(system: System, angles: Floats) -> Floats:
     """Return angles that noise has put beyond a wall, moved onto it."""
     if not system.has_contacts:
         return angles
-    return between_walls(angles, walls_of(system, _EXACT))
+    return between_walls(angles, walls_of(system, EXACT))
 
 
 def window_starts(data: Data, length: float, angles: int) -> Floats:
