@@ -40,6 +40,7 @@ from latolato.experiment.fits.samples import (
     is_driven,
     noise_of,
     pivot_swing,
+    steps_over_gap,
     within,
     without_repeats,
 )
@@ -57,8 +58,8 @@ MOST_STAGES = 4
 _STRONG = 10.0
 # An amplitude below so many times the noise of a sample is a pivot at rest.
 _CLEAR = 3.0
-# A gap of more than so many periods may hold another number of cycles than it seems, up to so many.
-_GAP, _LOST_CYCLES = 0.7, 4
+# Cycles more or fewer that a gap may hold than it seems to.
+_LOST_CYCLES = 4
 # What a track may bend a motion by [pixels].
 _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
@@ -403,20 +404,15 @@ def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
 
 def _over_gap(data: Data, harmonic: Mapping[str, Guess]) -> list[dict[str, Guess]]:
     """Return drives like a harmonic before the longest gap, with other numbers of cycles in it."""
-    pauses = np.diff(data.times)
-    gap, place = float(np.max(pauses)), int(np.argmax(pauses))
     rate, phase = (harmonic[name].value for name in ("drive_frequency", "drive_phase"))
-    if gap * abs(rate) < _GAP * math.tau:
-        return []
-    early = float(np.mean(data.times[: place + 1]))
-    steps = [math.tau * n / gap for n in range(-_LOST_CYCLES, _LOST_CYCLES + 1) if n]
+    early = float(np.mean(data.times[: int(np.argmax(np.diff(data.times))) + 1]))
     return [
         {
             **harmonic,
             "drive_frequency": Guess(rate + step),
             "drive_phase": Guess(phase - step * early),
         }
-        for step in steps
+        for step in steps_over_gap(data.times, rate, _LOST_CYCLES)
     ]
 
 

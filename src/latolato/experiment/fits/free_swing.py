@@ -21,7 +21,7 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.motion import motion_at, step_of
-from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.fits.samples import noise_of, steps_over_gap
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
 from latolato.experiment.fits.windows import START, WindowedModel
@@ -43,8 +43,6 @@ _TRIES, _SOON = 50, 12
 _FIRST_SWINGS, _GROWTH = 4.0, 2.0
 # Swings more or fewer that a gap may hold than the part before it says.
 _LOST_SWINGS = 3
-# A gap of more than so many periods may hold another number of them than it seems.
-_GAP = 0.7
 # A pivot whose place is known to less than this share of the arm leaves the scale of angles open.
 _OPEN_SCALE = 0.02
 # The stiffness of a start from nothing, where the drag is unknown [1/s].
@@ -206,9 +204,7 @@ def fit_best(
     Parameters are those of `fit_equation`. Starts are taken over what the samples leave open: the
     whole swings in a gap, and the scale of the angles where the pivot's place is uncertain.
     """
-    period = math.tau / first["natural_frequency"]
-    gaps = np.diff(data.times)
-    longest = float(np.max(gaps, initial=0.0))
+    steps = steps_over_gap(data.times, first["natural_frequency"], _LOST_SWINGS)
     starts: list[Mapping[str, float]] = [first]
     scale = aside.get(ABOVE)
     if scale is not None and scale.prior > _OPEN_SCALE:
@@ -218,25 +214,20 @@ def fit_best(
         return fit_equation(data, start, terms, aside, limit=_TRIES)
 
     tries = solutions_of(fit, starts)
-    with_gap = longest > _GAP * period
-    if with_gap or not tries or _is_poor(tries[0], data):
+    if steps or not tries or _is_poor(tries[0], data):
         grown = _grown(data, first, terms, aside)
         if grown is not None:
             tries.append(grown)
     if not tries:
         return fit_equation(data, first, terms, aside), True
     best = min(tries, key=cost)
-    if with_gap:
-        # Frequencies that differ by a whole swing in the longest gap.
-        step = math.tau / longest * math.sqrt(period_factor(float(np.ptp(data.values)) / 2.0))
-        about = best.values["natural_frequency"]
-        more = [
-            {**best.values, "natural_frequency": about + n * step}
-            for n in range(-_LOST_SWINGS, _LOST_SWINGS + 1)
-            if n and about + n * step > 0.3 * about
-        ]
-        tries += solutions_of(fit, more)
-        best = min(tries, key=cost)
+    # Frequencies that differ by a whole swing in the longest gap.
+    about = best.values["natural_frequency"]
+    slower = math.sqrt(period_factor(float(np.ptp(data.values)) / 2.0))
+    others = [about + slower * step for step in steps]
+    more = [{**best.values, "natural_frequency": w} for w in others if w > 0.3 * about]
+    tries += solutions_of(fit, more)
+    best = min(tries, key=cost)
     apart = [
         each
         for each in tries

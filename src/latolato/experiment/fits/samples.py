@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 _STILL = 0.004
 # Share of samples that are distinct if angles are not rounded.
 _DISTINCT = 0.95
+# Periods from which a gap leaves the number of cycles in it open.
+_GAP = 0.7
 # A step so many times the usual ones is a jump.
 _JUMP = 5.0
 # The highest differences that noise is seen from, and by how much a scatter may exceed another one.
@@ -178,6 +180,18 @@ def without_repeats(data: Data) -> tuple[Data, int]:
     if len(np.unique(fresh)) < _DISTINCT * len(fresh):
         return data, 0
     return data[~same], int(same.sum())
+
+
+def steps_over_gap(times: Floats, rate: float, most: int) -> list[float]:
+    """Return by how much a frequency [rad/s] may be off because of the longest gap [rad/s].
+
+    A gap of more than 0.7 periods may hold another number of cycles than it seems to, up to `most`
+    more or fewer; a shorter one none.
+    """
+    gap = float(np.max(np.diff(times), initial=0.0))
+    if gap * abs(rate) <= _GAP * math.tau:
+        return []
+    return [math.tau * n / gap for n in range(-most, most + 1) if n]
 
 
 def check_turns(data: Data) -> None:
