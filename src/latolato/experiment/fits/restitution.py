@@ -415,6 +415,11 @@ def _doubt(impacts: Sequence[_Impact], words: str) -> Adequacy:
     )
 
 
+def _chi_square(each: Floats, weights: Floats) -> float:
+    """Return the weighted sum of squares about the weighted mean."""
+    return float(np.sum(weights * (each - np.average(each, weights=weights)) ** 2))
+
+
 def _excess(each: Floats, sigmas: Floats) -> float:
     """Return the variance beyond the sigmas that makes chi-square what it should be.
 
@@ -424,9 +429,7 @@ def _excess(each: Floats, sigmas: Floats) -> float:
     from scipy.optimize import brentq
 
     def surplus(extra: float) -> float:
-        weights = 1.0 / (sigmas**2 + extra)
-        mean = float(np.sum(weights * each) / np.sum(weights))
-        return float(np.sum(weights * (each - mean) ** 2)) - (len(each) - 1)
+        return _chi_square(each, 1.0 / (sigmas**2 + extra)) - (len(each) - 1)
 
     # All as far apart as the outermost two: more cannot be needed.
     return float(brentq(surplus, 0.0, float(np.ptp(each)) ** 2 * len(each)))
@@ -434,21 +437,16 @@ def _excess(each: Floats, sigmas: Floats) -> float:
 
 def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str]:
     """Return the pooled coefficient, and words on its scatter and on speed."""
-    weights = 1.0 / sigmas**2
-    mean = float(np.sum(weights * each) / np.sum(weights))
-    own = 1.0 / math.sqrt(float(np.sum(weights)))
-    count = len(each)
-    chi_square = float(np.sum(weights * (each - mean) ** 2)) / max(count - 1, 1)
-    words = ""
+    count, words, weights = len(each), "", 1.0 / sigmas**2
+    chi_square = _chi_square(each, weights) / max(count - 1, 1)
+    wider = math.sqrt(max(chi_square, 1.0))
     if count > 3 and chi_square > 1.0 + 3.0 * math.sqrt(2.0 / (count - 1)):
         # Impacts differ by more than they are uncertain: all count nearly alike then.
         extra = _excess(each, sigmas)
-        weights = 1.0 / (sigmas**2 + extra)
-        mean = float(np.sum(weights * each) / np.sum(weights))
-        own = math.sqrt(1.0 / float(np.sum(weights)))
+        weights, wider = 1.0 / (sigmas**2 + extra), 1.0
         words = f"; they differ by {math.sqrt(extra):.2g}, more than their uncertainty"
-    else:
-        own *= math.sqrt(max(chi_square, 1.0)) if count > 1 else 1.0
+    mean = float(np.average(each, weights=weights))
+    own = wider / math.sqrt(float(np.sum(weights)))
     if count > 5 and np.ptp(speeds) > 0.0:
         late = speeds - np.average(speeds, weights=weights)
         slope = float(np.sum(weights * late * each) / np.sum(weights * late**2))
