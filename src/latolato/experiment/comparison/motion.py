@@ -21,13 +21,12 @@ from latolato.experiment.comparison.uncertainties import (
     plain,
     variable,
 )
-from latolato.experiment.fits.least_squares import Data, Solution, lmfit_module, solve
-from latolato.experiment.fits.pivots import pivot_for
-from latolato.experiment.fits.samples import angles_of, noise_of, of_own_pivot
+from latolato.experiment.fits.least_squares import Data, Solution, solve
+from latolato.experiment.fits.pivots import measured_motion
+from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.windows import WindowedModel
-from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot
-from latolato.physics.pendulum import LatoLato, System, systems
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
@@ -106,16 +105,10 @@ def compare_motion(
     """
     import xarray as xr
 
-    lmfit_module()
-    checked_table(table)
-    checked_system(system)
-    table, ball = of_own_pivot(table, system, ball)
-    widths = checked_sigmas(system, sigmas)
+    widths = checked_sigmas(checked_system(system), sigmas)
     count = checked_count("draws", draws)
-    data = angles_of(table, system, ball, start, end)
+    table, data, moving = measured_motion(table, system, drive, ball, start, end)
     first, last = float(data.times.min()), float(data.times.max())
-    across = not isinstance(system, LatoLato)
-    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
     span = _MATCHED * math.tau / system.natural_frequency
     if match is not None:
         span = checked_number("match", match, POSITIVE, "s")

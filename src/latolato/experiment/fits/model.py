@@ -23,16 +23,14 @@ from latolato.experiment.fits.least_squares import (
     Solution,
     solve,
 )
-from latolato.experiment.fits.pivots import Pivot, pivot_for
+from latolato.experiment.fits.pivots import Pivot, measured_motion
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
-from latolato.experiment.fits.samples import angles_of, is_mirrored, of_own_pivot
+from latolato.experiment.fits.samples import is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, pivot_doubt, sight_guesses
 from latolato.experiment.fits.windows import Laws, WindowedModel, window_starts
-from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
-from latolato.physics.pendulum import LatoLato, System, systems
-from latolato.simulation.start import checked_system
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.vary import replaced
 
 if TYPE_CHECKING:
@@ -225,15 +223,9 @@ def described(
     With `fits_pivot` the parameters of a drive that was fitted to the pivot's track are fitted once
     more, and that first fit is what is known of them beforehand.
     """
-    checked_table(table)
-    checked_system(system)
-    table, ball = of_own_pivot(table, system, ball)
     if window is not None:
         window = checked_number("window", window, POSITIVE, "s")
-    data = angles_of(table, system, ball, start, end)
-    first, last = float(data.times.min()), float(data.times.max())
-    across = not isinstance(system, LatoLato)
-    moving = pivot_for(drive, table, system.balls[0].length, first, last, across=across)
+    table, data, moving = measured_motion(table, system, drive, ball, start, end)
     known = _known(system, moving.drive)
     names = _names(system, known, vary)
     varied = [known[name] for name in names if name in known]

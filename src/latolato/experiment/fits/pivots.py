@@ -12,9 +12,13 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
 from latolato.experiment.fits.drive_across import vertical_part
-from latolato.experiment.fits.samples import is_driven, noise_of
+from latolato.experiment.fits.least_squares import Data
+from latolato.experiment.fits.samples import angles_of, is_driven, noise_of, of_own_pivot
 from latolato.experiment.fits.sight import stroke_error
+from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, PlanarHarmonic
+from latolato.physics.pendulum import LatoLato, System
+from latolato.simulation.start import checked_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -102,6 +106,29 @@ def pivot_for(
             sigmas = _deviations(fit, moving, error)
             return Pivot(moving, origin, _neighbours(fit, moving, sigmas), words, sigmas)
     return _spline(table, length, (first, last), swings)
+
+
+def measured_motion(
+    table: xr.Dataset,
+    system: System,
+    drive: Drive | str | None,
+    ball: int | None,
+    start: float | None,
+    end: float | None,
+) -> tuple[xr.Dataset, Data, Pivot]:
+    """Return the part of a table that a system is about, the angles there, and the pivot.
+
+    Arguments are those of `latolato.fit_model`, checked here.
+    """
+    checked_table(table)
+    checked_system(system)
+    table, ball = of_own_pivot(table, system, ball)
+    data = angles_of(table, system, ball, start, end)
+    first, last = float(data.times.min()), float(data.times.max())
+    # A mirrored pair stays one only on a pivot that moves up and down.
+    across = not isinstance(system, LatoLato)
+    length = system.balls[0].length
+    return table, data, pivot_for(drive, table, length, first, last, across=across)
 
 
 def _is_good(fit: Fit, swings: bool) -> bool:
