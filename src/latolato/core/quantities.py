@@ -325,7 +325,6 @@ QUANTITIES: dict[str, Quantity] = {
     "swing_angle_fit": Quantity("rad", r"\theta_{n,fit}", "fitted angle of a turning point"),
     "law": Quantity("1", "", "drag law"),
     "law_bic": Quantity("1", "BIC", "Schwarz's criterion of a drag law"),
-    "law_aicc": Quantity("1", "AIC_c", "Akaike's corrected criterion of a drag law"),
     "crank_ratio": Quantity("1", r"\lambda", "crank over connecting rod, positive: guide above"),
     "amplitude_drift": Quantity("m/s", r"\dot A_0", "change of the driving amplitude"),
     "frequency_drift": Quantity("rad/s^2", r"\dot\omega", "change of the driving frequency"),

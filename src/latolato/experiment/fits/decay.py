@@ -296,7 +296,6 @@ def _by_equation(
         curves |= {
             "law": ("law", np.array(list(laws))),
             "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
-            "law_aicc": ("law", np.array([s.akaike for s in laws.values()])),
         }
     curves |= {
         "time": ("sample", data.times),

@@ -180,12 +180,6 @@ class Solution:
         """Schwarz's criterion (BIC), with the number of effective samples."""
         return len(self.names) * math.log(self.effective_samples) - 2.0 * self.log_likelihood
 
-    @property
-    def akaike(self) -> float:
-        """Akaike's criterion, corrected for few samples (AICc)."""
-        count, free = self.effective_samples, len(self.names)
-        return 2.0 * free * count / max(count - free - 1.0, 1.0) - 2.0 * self.log_likelihood
-
 
 def lmfit_module() -> Any:
     """Return lmfit."""
