@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from itertools import combinations
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
@@ -65,13 +66,7 @@ if TYPE_CHECKING:
 
 # Drag laws and sums of them, by the terms that they have.
 LAWS: dict[str, tuple[str, ...]] = {
-    "linear": ("linear",),
-    "quadratic": ("quadratic",),
-    "coulomb": ("coulomb",),
-    "linear+quadratic": ("linear", "quadratic"),
-    "linear+coulomb": ("linear", "coulomb"),
-    "quadratic+coulomb": ("quadratic", "coulomb"),
-    "linear+quadratic+coulomb": ("linear", "quadratic", "coulomb"),
+    "+".join(terms): terms for count in (1, 2, 3) for terms in combinations(COEFFICIENTS, count)
 }
 _FULLEST_FIRST = sorted(LAWS, key=lambda name: -len(LAWS[name]))
 METHODS = ("both", "equation", "envelope")
@@ -567,7 +562,7 @@ class _Body:
     def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
         """Return the estimates under their public names."""
         rate = solution.estimate("natural_frequency", "rad/s")
-        length = self._length(rate)
+        length = rate.power(self.gravity, -2, "m")
         estimates: dict[str, Estimate] = {}
         lever = self.length or length.value
         for term in terms:
@@ -577,7 +572,7 @@ class _Body:
                 estimates[COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
             if term == "linear":
                 estimates["decay_rate"] = raw.scaled(0.5, "1/s")
-        period = rate.reciprocal(math.tau, "s")
+        period = rate.power(math.tau, -1, "s")
         estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
         if self.radius is not None:
             estimates["centre_length"] = self._centre(length)
@@ -621,17 +616,6 @@ class _Body:
             return [f"{words})"]
         parts = [f"decay rate {rate}"]
         return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
-
-    def _length(self, rate: Estimate) -> Estimate:
-        """Return g over the squared frequency."""
-        length = self.gravity / rate.value**2
-        return Estimate(
-            length,
-            2.0 * length * rate.sigma / rate.value,
-            "m",
-            self.gravity / rate.high**2,
-            self.gravity / rate.low**2,
-        )
 
     def _centre(self, length: Estimate) -> Estimate:
         """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
@@ -690,7 +674,7 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
     else:
         rival = order[1]
         words = f"{best} drag describes this decay best (BIC {ahead[rival]:.3g} ahead of {rival})"
-    singles = [n for n in ("linear", "quadratic", "coulomb") if n in clear]
+    singles = [n for n in COEFFICIENTS if n in clear]
     if singles:
         words += f"; {' or '.join(singles)} drag alone is excluded"
     if chosen in clear:

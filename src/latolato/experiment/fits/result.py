@@ -73,12 +73,13 @@ class Estimate:
         """Return the estimate of this quantity plus a known number."""
         return Estimate(self.value + by, self.sigma, self.unit, self.low + by, self.high + by)
 
-    def reciprocal(self, factor: float, unit: str) -> Estimate:
-        """Return the estimate of a known factor over this quantity, which is not 0."""
-        value = factor / self.value
-        sigma = abs(value) * self.sigma / abs(self.value)
+    def power(self, factor: float, exponent: int, unit: str) -> Estimate:
+        """Return the estimate of a known factor times a power of this quantity, which is not 0."""
+        value = factor * self.value**exponent
+        sigma = abs(exponent * value / self.value) * self.sigma
         ends = sorted(
-            factor / end if end * self.value > 0.0 else value for end in (self.low, self.high)
+            factor * end**exponent if end * self.value > 0.0 else value
+            for end in (self.low, self.high)
         )
         return Estimate(value, sigma, unit, *ends)
 

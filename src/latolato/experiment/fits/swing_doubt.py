@@ -22,7 +22,13 @@ from latolato.experiment.fits.adequacy import (
     place_of_change,
     widened,
 )
-from latolato.experiment.fits.free_swing import amplitude_at, fit_equation, part_fitter, portrait
+from latolato.experiment.fits.free_swing import (
+    COEFFICIENTS,
+    amplitude_at,
+    fit_equation,
+    part_fitter,
+    portrait,
+)
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
@@ -59,7 +65,6 @@ _UNITS = (
 _GROWS = 3.0
 # Scatter over noise that is worth telling.
 _FAR_OFF = 1.5
-_TERMS = ("linear", "quadratic", "coulomb")
 # Laws of drag that may explain what another one does not.
 _LAWS = (("linear",), ("quadratic",), ("coulomb",), ("linear", "quadratic"))
 _ALL = frozenset({"amplitude", "phase", "frequency", "offset", "drag"})
@@ -182,7 +187,7 @@ def _of_whole(
     It must gain most of what two parts do, and its numbers may not change within the record.
     """
     few = data[:: max(1, len(data) // _ENOUGH)]
-    p = {**dict.fromkeys(_TERMS, 1e-3), **whole.values}
+    p = {**dict.fromkeys(COEFFICIENTS, 1e-3), **whole.values}
     size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
     tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, str]] = []
     for factor, words in _UNITS:
