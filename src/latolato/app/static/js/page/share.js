@@ -32,6 +32,7 @@ export class Share {
       this.open(false);
       button.focus();
     });
+    store.subscribe(() => { this.link.value = this.address; });
   }
 
   /** The link to what is on show, for a page of its own. */
