@@ -57,9 +57,9 @@ def named(paths: Sequence[Path]) -> dict[str, Path]:
     return result
 
 
-def path_of(known: Mapping[str, Path], name: Any) -> Path:
+def path_of(known: Mapping[str, Path], name: str) -> Path:
     """Return the file of a stored map; only those that the command line named are opened."""
-    if not isinstance(name, str) or name not in known:
+    if name not in known:
         raise InputError(f"there is no stored map {name!r}: start with latolato app --open MAP")
     return known[name]
 
@@ -73,7 +73,7 @@ def opened(path: Path) -> xr.Dataset:
         return load(path)
 
 
-def prepare(known: Mapping[str, Path], body: Any) -> Job:
+def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
     """Return the job that opens a map.
 
     A page sends `stored`, the map's name, and may send `observable`, `select`, the number of the
@@ -84,9 +84,7 @@ def prepare(known: Mapping[str, Path], body: Any) -> Job:
     InputError
         If no such map was named.
     """
-    if not isinstance(body, Mapping):
-        raise InputError("a request must be an object", value=body)
-    path = path_of(known, body.get("stored"))
+    path = path_of(known, body["stored"])
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:
         return (folder / _BLOCK).read_bytes()
@@ -261,16 +259,6 @@ def _description(grid: xr.Dataset, drawing: Drawing) -> str:
     return ", ".join([*parts, *([f"computed by latolato {version}"] if version else [])]) + "."
 
 
-def _checked(select: Any) -> dict[str, int]:
-    """Return which value of further dimensions is taken."""
-    if not isinstance(select, Mapping):
-        raise InputError("must be an object", parameter="select", value=select)
-    for name, value in select.items():
-        if isinstance(value, bool) or not isinstance(value, int) or value < 0:
-            raise InputError(f"select.{name} must be a whole number from 0, got {value!r}")
-    return dict(select)
-
-
 def _dims(grid: xr.Dataset, variable: str) -> list[str]:
     """Return the dimensions of a variable along which parameters vary."""
     inner = ("direction", "ball", "sample", "exponent")
@@ -278,10 +266,10 @@ def _dims(grid: xr.Dataset, variable: str) -> list[str]:
 
 
 def _selected(
-    grid: xr.Dataset, variable: str, select: Any
+    grid: xr.Dataset, variable: str, select: Mapping[str, int] | None
 ) -> tuple[xr.Dataset, list[dict[str, Any]]]:
     """Return the part of a dataset with two dimensions, and what else may be taken."""
-    indices = _checked(select or {})
+    indices = select or {}
     own = _dims(grid, variable)
     rest = [str(d) for d in grid[variable].dims if str(d) not in own[-2:]]
     choices = []

@@ -13,7 +13,7 @@ import { csvOf, tablesOf } from "./table.js";
 const OWN = ["csv", "screen"];
 /** @type {Record<string, string>} */
 const NAMES = { screen: "mapFile_screen", png: "mapFile_png" };
-const OF_PROGRAM = ["nc", "zarr", "png", "svg"];
+const OF_PROGRAM = ["nc", "png", "svg"];
 
 export class MapFiles {
   /** @param {MapView} view */
@@ -92,8 +92,7 @@ export class MapFiles {
     const block = await this.job.run("ws/map/file", request);
     if (!block) return;
     const { type, missing } = block.about;
-    const ending = `${missing ? "unfinished." : ""}${kind === "zarr" ? "zarr.zip" : kind}`;
-    this.keep(fileOf(block, "file", type), this.nameOf(ending), missing);
+    this.keep(fileOf(block, "file", type), this.nameOf(missing ? `unfinished.${kind}` : kind), missing);
   }
 
   /**
