@@ -13,7 +13,6 @@ import pytest
 
 import latolato as ll
 from app_server import start_server, stop_server
-from browser_checks import serious_faults
 from latolato.app.run_request import RunRequest
 
 # How long a page may take to show its first run [ms].
@@ -118,17 +117,6 @@ def test_numbers_that_would_lag_behind_the_picture_are_not_shown(page):
     for text, legend, time, angles in [*slow, paused]:
         assert text == f"t = {time:.{2 if text == paused[0] else 1}f} s"
         assert [float(each) for each in legend] == pytest.approx(angles, abs=0.06)  # four digits
-
-
-def test_a_bad_value_is_told_beside_its_field(page, watch):
-    open_form(page)
-    field = page.get_by_label("radius of one ball", exact=False).first
-    field.fill("2000")
-    field.press("Enter")
-    page.locator(".field").get_by_text("below the length, got 2000").wait_for()
-    assert field.get_attribute("aria-invalid") == "true"
-    # The browser itself notes the refusal.
-    watch.faults[:] = [f for f in watch.faults if "422" not in f]
 
 
 @pytest.mark.parametrize("scenario", ["fig04a_push", "ballpair_asymmetric", "fig02"])
@@ -638,36 +626,6 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
         }"""
     )
     assert sides == pytest.approx([1.0, 1.0], abs=1e-5)
-
-
-def test_play_is_accessible_and_fits_the_screen(page):
-    open_play(page, "&scenario=ballpair_asymmetric&duration=10%20s")
-    for width, scheme in itertools.product((1280, 390), ("light", "dark")):
-        page.set_viewport_size({"width": width, "height": 900})
-        page.emulate_media(color_scheme=scheme)
-        page.wait_for_timeout(300)
-        assert serious_faults(page) == [], (width, scheme)
-        assert page.evaluate("() => document.documentElement.scrollWidth") <= width
-
-
-def test_play_needs_no_server_once_it_is_there(browser):
-    server = start_server()
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
-    page = context.new_page()
-    try:
-        page.goto(f"{server.address}?scenario=fig04b_push&duration=5%20s")
-        page.wait_for_selector("[data-runs]", timeout=PATIENCE)
-    finally:
-        stop_server(server)
-    page.get_by_text("More parameters", exact=True).click()
-    field = page.get_by_label("driving amplitude", exact=False).first
-    field.fill("31")
-    field.press("Enter")
-    page.wait_for_function(
-        "() => Math.abs(window.latolato.views.toy.player.motion.about.options"
-        ".drive_amplitude - 0.031) < 1e-12"
-    )
-    context.close()
 
 
 def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
