@@ -12,7 +12,7 @@ from latolato.core.errors import InputError
 
 @pytest.fixture
 def client():
-    app = make_app(Settings(host="127.0.0.1", port=80))
+    app = make_app(Settings(port=80))
     with TestClient(app, base_url="http://127.0.0.1") as client:
         yield client
 

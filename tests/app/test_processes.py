@@ -8,7 +8,7 @@ from concurrent.futures import ThreadPoolExecutor
 import anyio
 import pytest
 
-from latolato.app.processes import EndedError, JobError, LateError, Workers
+from latolato.app.processes import EndedError, JobError, Workers
 
 UNKNOWN = {"do": "dance", "path": "/clip", "name": "swing.mp4"}
 
@@ -67,16 +67,4 @@ def test_whenever_a_job_is_cancelled_its_process_has_ended(tmp_path, delay):
         assert not workers.idle
 
     started = []
-    in_loop(run)
-
-
-def test_work_that_takes_too_long_is_ended(tmp_path):
-    async def run():
-        workers = Workers(1, seconds=0.2)
-        seen = []
-        with pytest.raises(LateError, match="more than 0 minutes"):
-            await workers.do("clip", UNKNOWN, tmp_path, lambda _: seen.extend(workers.busy))
-        (worker,) = set(seen)
-        assert worker.process.poll() not in (None, 0)
-
     in_loop(run)

@@ -7,7 +7,7 @@ import time
 from starlette.testclient import TestClient
 
 from latolato.app.blocks import unpack
-from latolato.app.experiment.store import Allowance
+from latolato.app.experiment.store import MOST_BYTES
 from latolato.app.server import Settings, make_app
 
 HOME = "http://127.0.0.1:8000"
@@ -65,9 +65,9 @@ def end_of(socket):
 
 
 @contextlib.contextmanager
-def opened(allowance=None):
+def opened(most_bytes=MOST_BYTES):
     """A page of a server, and the server's clips."""
-    app = make_app(Settings(clips=allowance or Allowance()))
+    app = make_app(Settings(most_bytes=most_bytes))
     with TestClient(app, base_url=HOME) as client:
         with client.websocket_connect("/ws/experiment/desk", headers=HEADERS) as socket:
             yield Page(client, socket), app.state.clips

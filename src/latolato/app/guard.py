@@ -43,13 +43,15 @@ class Guard:
     ----------
     app : ASGI application
         What is guarded.
-    names : frozenset of str
-        Values of ``Host`` that name this server, in lower case.
+    port : int
+        Where the server listens.
     """
 
-    def __init__(self, app: ASGIApp, names: frozenset[str]) -> None:
+    def __init__(self, app: ASGIApp, port: int) -> None:
         self._app = app
-        self._names = names
+        self._names = {f"127.0.0.1:{port}", f"localhost:{port}"}
+        if port == 80:
+            self._names |= {"127.0.0.1", "localhost"}
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Answer, or hand on, one request."""

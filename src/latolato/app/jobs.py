@@ -46,8 +46,6 @@ class Job:
         What the job gets, as JSON knows it.
     finish : callable
         Makes the block for the page from the result of the job and the folder with its files.
-    ready : bytes, optional
-        The block, if it is known already.
     place : callable
         Returns a context manager that gives the folder for the files, by default one that goes
         with the job; it may change the error that ends the job.
@@ -56,7 +54,6 @@ class Job:
     name: str
     request: Mapping[str, Any]
     finish: Callable[[dict[str, Any], Path], bytes]
-    ready: bytes | None = None
     place: Callable[[], AbstractContextManager[str | Path]] = _temporary_folder
 
 
@@ -80,7 +77,7 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
             return
         try:
             job = await in_thread(websocket, prepare, request)
-            block = job.ready or await _done(websocket, workers, job)
+            block = await _done(websocket, workers, job)
         except Exception as error:
             # As it is: analyses have parameters of their own, for which their page has labels.
             message = {"error": line_of(error), "field": parameter_of(error)}

@@ -51,20 +51,6 @@ class EndedError(JobError):
         self.code = code
 
 
-class LateError(JobError):
-    """A job that took too long.
-
-    Attributes
-    ----------
-    seconds : float
-        The time that it had [s].
-    """
-
-    def __init__(self, seconds: float) -> None:
-        super().__init__(f"this takes more than {seconds / 60:.0f} minutes: ask for less")
-        self.seconds = seconds
-
-
 class Worker:
     """A process that does one job after the other.
 
@@ -147,13 +133,10 @@ class Workers:
         How many jobs run at the same time; others wait.
     once : bool
         Whether each job gets a process of its own; otherwise one that is idle is kept for the next.
-    seconds : float
-        Longest time of a job from its turn to its answer [s].
     """
 
     most: int = 2
     once: bool = False
-    seconds: float = 900.0
     idle: list[Worker] = field(default_factory=list)
     busy: set[Worker] = field(default_factory=set)
     is_closed: bool = False
@@ -191,12 +174,9 @@ class Workers:
             self.busy.add(worker)
             try:
                 hear({"begun": worker.is_ready})
-                with anyio.fail_after(self.seconds):
-                    return await anyio.to_thread.run_sync(
-                        worker.run, job, request, folder, hear, abandon_on_cancel=True
-                    )
-            except TimeoutError:
-                raise LateError(self.seconds) from None
+                return await anyio.to_thread.run_sync(
+                    worker.run, job, request, folder, hear, abandon_on_cancel=True
+                )
             finally:
                 self.busy.discard(worker)
                 if worker.can_go_on and not self.idle and not self.is_closed:

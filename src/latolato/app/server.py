@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import AsyncIterator, Mapping
 from contextlib import asynccontextmanager
 from dataclasses import dataclass, field
@@ -17,49 +16,34 @@ from starlette.responses import JSONResponse, Response
 from starlette.routing import BaseRoute, Mount, Route
 
 from latolato.app.answers import answered, json_of, refusal
-from latolato.app.experiment.store import Allowance, Store
+from latolato.app.experiment.store import MOST_BYTES, Store
 from latolato.app.guard import Guard
 from latolato.app.pages import Report, page_file, static
 from latolato.app.processes import Workers
-from latolato.app.run_request import MOST_SAMPLES, RunRequest, TooLargeError
+from latolato.app.run_request import RunRequest
 from latolato.core.errors import InputError
-from latolato.core.registry import checked_count
 
 
 @dataclass(frozen=True)
 class Settings:
-    """Where the server listens and what it serves.
+    """What the server serves.
 
     Attributes
     ----------
-    host, port
-        The address, one of this machine alone.
+    port
+        Where it listens, on 127.0.0.1.
     report : Path, optional
         Folder of a reproduction report, which is served beside the pages.
-    clips : Allowance
-        How large and long uploaded videos may be.
+    most_bytes : int
+        Size of the largest file that a page may upload.
     stored : mapping
         Stored maps that pages may open, by name.
     """
 
-    host: str = "127.0.0.1"
     port: int = 8000
     report: Path | None = None
-    clips: Allowance = field(default_factory=Allowance)
+    most_bytes: int = MOST_BYTES
     stored: Mapping[str, Path] = field(default_factory=dict)
-
-    @property
-    def known_hosts(self) -> frozenset[str]:
-        """Values of ``Host`` that name this server."""
-        hosts = {"127.0.0.1", "localhost", "[::1]", bracketed(self.host)}
-        return frozenset(f"{host}:{self.port}" for host in hosts) | (
-            hosts if self.port == 80 else frozenset()
-        )
-
-
-def bracketed(host: str) -> str:
-    """Return a host as it stands in an address."""
-    return f"[{host}]" if ":" in host else host
 
 
 def make_app(settings: Settings) -> Starlette:
@@ -73,16 +57,15 @@ def make_app(settings: Settings) -> Starlette:
             *([Mount("/report", Report(directory=settings.report))] if settings.report else []),
             Route("/{path:path}", static),
         ],
-        middleware=[Middleware(Guard, names=settings.known_hosts)],
+        middleware=[Middleware(Guard, port=settings.port)],
         exception_handlers={HTTPException: _refused},
         lifespan=_lifespan,
     )
     app.state.workers = None
     app.state.has_report = settings.report is not None
     app.state.jobs = Workers()
-    app.state.clips = Store(settings.clips)
-    # A person watches these and cancels them: they may take as long as a video needs.
-    app.state.clip_jobs = Workers(once=True, seconds=math.inf)
+    app.state.clips = Store(settings.most_bytes)
+    app.state.clip_jobs = Workers(once=True)
     app.state.stored = dict(settings.stored)
     return app
 
@@ -131,8 +114,5 @@ async def _run(request: Request) -> Response:
 def _run_response(body: Any) -> Response:
     from latolato.app.runs import USUAL_SAMPLES, compute
 
-    request = RunRequest.from_json(body)
-    most = checked_count("most_samples", body.get("most_samples", USUAL_SAMPLES))
-    if most > MOST_SAMPLES:
-        raise TooLargeError(f"must not exceed {MOST_SAMPLES}", parameter="most_samples", value=most)
-    return Response(compute(request, most), media_type="application/octet-stream")
+    block = compute(RunRequest.from_json(body), body.get("most_samples", USUAL_SAMPLES))
+    return Response(block, media_type="application/octet-stream")

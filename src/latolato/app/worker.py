@@ -17,6 +17,7 @@ import os
 import queue
 import signal
 import sys
+import tempfile
 import threading
 import warnings
 from collections.abc import Callable, Mapping
@@ -51,6 +52,8 @@ def run(job: Mapping[str, Any], tell: Tell) -> None:
         tell({"stage": stage, "progress": share})
 
     try:
+        # What a process that is killed leaves behind goes with the folder of its job.
+        tempfile.tempdir = job["folder"]
         module, name = JOBS[job["job"]]
         function = getattr(importlib.import_module(module), name)
         with (

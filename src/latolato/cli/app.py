@@ -12,7 +12,6 @@ from latolato.core.errors import import_extra
 
 
 def app(
-    host: Annotated[str, typer.Option(help="Address of this machine to listen on.")] = "127.0.0.1",
     port: Annotated[
         int | None,
         typer.Option(
@@ -32,22 +31,10 @@ def app(
             help="Store, .nc or .csv file of a sweep for the Map view; may be given several times.",
         ),
     ] = None,
-    video_megabytes: Annotated[
-        float | None, typer.Option(help="Largest video for Measure, in MB. Default: 500.")
-    ] = None,
-    video_minutes: Annotated[
-        float | None, typer.Option(help="Longest video for Measure, in minutes. Default: 10.")
-    ] = None,
 ) -> None:
     """Open the application in the browser: the toy, maps, measurements, analyses, the report."""
     if report is None and (REPORT / "index.html").is_file():
         report = REPORT
     import_extra("latolato.app.serve", "app", "the application").serve(
-        host,
-        port,
-        browser=browser,
-        report=report,
-        stored=opened or (),
-        video_megabytes=video_megabytes,
-        video_minutes=video_minutes,
+        port, browser=browser, report=report, stored=opened or ()
     )

@@ -7,19 +7,19 @@ import re
 import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.analysis.rules import broken_analysis
-from latolato.app.analyse.forms import own_options
 from latolato.app.lines import constructor, literal
-from latolato.app.run_request import MOST_LISTED, RunRequest, TooLargeError
+from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.rules import broken_rule
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
 
+# Numbers of one list.
+MOST_LISTED = 10_000
 _RANGE = re.compile(r"\s*[-+.\d][^:/\\]*:\s*[-+.\d][^:/\\]*:\s*(?P<count>\d{1,9})(?!\d)[^:/\\]*")
 
 
@@ -32,33 +32,10 @@ class AnalysisRequest:
     settings: Mapping[str, str]
 
     @classmethod
-    def from_json(cls, value: Any) -> AnalysisRequest:
-        """The request in a page's ``{"analysis", "scenario", "options", "settings": texts}``.
-
-        Raises
-        ------
-        InputError
-            For another form, and for unknown analyses and options.
-        """
-        from latolato.analysis import analyses
-        from latolato.core.registry import suggest
-
-        request = RunRequest.from_json(value)
-        name, settings = value.get("analysis"), value.get("settings") or {}
-        if not isinstance(name, str):
-            raise InputError("must be a name", parameter="analysis", value=name)
-        function = analyses[name]
-        if not isinstance(settings, Mapping) or not all(
-            isinstance(v, str) for v in settings.values()
-        ):
-            raise InputError("must be an object of texts", parameter="settings")
-        own, _ = own_options(function)
-        for option in settings:
-            if option not in own:
-                raise InputError(
-                    f"has no option '{option}': {suggest(option, list(own))}", parameter=name
-                )
-        return cls(name, request, {n: v.strip() for n, v in settings.items() if v.strip()})
+    def from_json(cls, value: Mapping[str, Any]) -> AnalysisRequest:
+        """The request in a page's ``{"analysis", "scenario", "options", "settings": texts}``."""
+        settings = {n: v.strip() for n, v in value.get("settings", {}).items() if v.strip()}
+        return cls(value["analysis"], RunRequest.from_json(value), settings)
 
     @property
     def function(self) -> Callable[..., Any]:
@@ -142,7 +119,7 @@ class AnalysisRequest:
 
 
 def _typed(option: Parameter, text: str) -> Any:
-    """The value that an option's text stands for; it never names a file.
+    """The value that an option's text stands for.
 
     Raises
     ------
@@ -152,7 +129,7 @@ def _typed(option: Parameter, text: str) -> Any:
     if option.several:
         if ":" in text:
             match = _RANGE.fullmatch(text)
-            if match is None or Path(text).is_file():
+            if match is None:
                 raise broken_analysis("range_of_values", parameter=option.name, value=text)
             if int(match["count"]) > MOST_LISTED:
                 raise _too_many(option)

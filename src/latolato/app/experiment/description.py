@@ -58,8 +58,6 @@ TABLE_PARAMETERS = {
 }  # fmt: skip
 # Files that are made on request.
 EXPORTS = ("track.nc", "overlay.mp4", "report.html")
-# Of these, the ones that show the pictures of a video.
-PICTURES = ("overlay.mp4", "report.html")
 EXAMPLES = ("decay", "driven", "toy")
 # How names of tables end, and of files from which another program exports one: the reader of tables
 # says how.

@@ -5,12 +5,10 @@ from __future__ import annotations
 import signal
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
 
 from latolato.core.errors import InputError
-from latolato.core.registry import checked_choice
 
 if TYPE_CHECKING:
     from latolato.app.experiment.store import Clip, Desk, Store
@@ -30,56 +28,34 @@ class Progress(Protocol):
         """Tell the part of a stage that is done."""
 
 
-def prepare(request: Any, store: Store) -> Job:
+def prepare(request: Mapping[str, Any], store: Store) -> Job:
     """Return the job that a page asks for: ``{"desk", "do", "clip", ...}``.
 
     Raises
     ------
     InputError
-        For anything unknown, before a process begins.
+        For a page or a clip that has gone, and for invalid values, before a process begins.
     """
     import anyio
 
     from latolato.app.blocks import pack_files
-    from latolato.app.experiment.description import (
-        EXAMPLES,
-        EXPORTS,
-        PICTURES,
-        TOOLS,
-        Description,
-        is_table,
-    )
+    from latolato.app.experiment.description import Description
     from latolato.app.jobs import Job
 
-    if not isinstance(request, Mapping):
-        raise InputError("a request must be an object")
-    desk = store.desk(request.get("desk"))
-    do = checked_choice("do", request.get("do"), tuple(_BLOCKS))
-    work: dict[str, Any] = {"do": do, "limits": asdict(store.allowance.limits)}
+    desk, do = store.desk(request["desk"]), request["do"]
+    work: dict[str, Any] = {"do": do}
     if do == "example":
-        work["kind"] = checked_choice("kind", request.get("kind"), EXAMPLES)
-        clip = anyio.from_thread.run_sync(store.admit, desk, f"{work['kind']}.mp4")
+        clip = anyio.from_thread.run_sync(store.admit, desk, f"{request['kind']}.mp4")
     else:
-        clip = desk.clip(request.get("clip"))
+        clip = desk.clip(request["clip"])
         if not clip.is_whole:
             raise InputError(f"{clip.name} is still being uploaded")
         if not clip.about and do != "look":
             raise InputError(f"{clip.name} could not be read")
-    if do == "look" and request.get("decimal"):
-        work["decimal"] = TOOLS["decimal"](request["decimal"])
-    if do == "export":
-        work["file"] = checked_choice("file", request.get("file"), EXPORTS)
-        if is_table(clip.name) and work["file"] in PICTURES:
-            raise InputError(f"{clip.name} is a table and has no pictures")
-    if do in ("track", "import") and is_table(clip.name) != (do == "import"):
-        raise InputError("a table is imported and a video tracked", value=f"{do} {clip.name}")
+    work |= {name: request[name] for name in ("decimal", "file", "kind") if name in request}
     if do in ("track", "import", "fit"):
-        work |= {"description": request.get("description"), **clip.about}
+        work |= {"description": request["description"], **clip.about}
         Description.from_json(work["description"])
-    if do == "fit":
-        from latolato.experiment.fits import fits
-
-        work["kind"] = checked_choice("kind", request.get("kind"), tuple(fits))
     work["name"] = clip.name
 
     def finish(about: dict[str, Any], folder: Path) -> bytes:

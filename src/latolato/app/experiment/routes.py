@@ -160,17 +160,20 @@ def _hello(store: Store, desk: Desk) -> Any:
     from latolato.app.experiment.description import EXAMPLES, TABLE_ENDINGS, fields, fit_kinds
     from latolato.app.experiment.tables import roles
     from latolato.experiment.tracking.learn_template import ROUND, SHARE
+    from latolato.experiment.video import Limits
     from latolato.simulation.summary import plain
 
-    most = store.allowance
-    limits = {"upload": most.upload, "duration": most.duration, "pixels": most.pixels}
     return plain(
         {
             "desk": desk.key,
             "fields": fields(),
             "fits": fit_kinds(),
             "examples": EXAMPLES,
-            "limits": limits,
+            "limits": {
+                "upload": store.most_bytes,
+                "duration": Limits.duration,
+                "pixels": Limits.pixels,
+            },
             "template": {"round": ROUND, "share": SHARE},
             "tables": {"endings": TABLE_ENDINGS, "roles": roles()},
         }

@@ -2,25 +2,21 @@
 
 from __future__ import annotations
 
-import math
 import secrets
 import shutil
 import tempfile
-import unicodedata
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-import anyio
-
 from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
-from latolato.experiment.video import Limits
 
-_LONGEST_NAME = 80
+# Size of the largest upload.
+MOST_BYTES = 4_000_000_000
 # What lies in the folder of a clip. Messages contain the name of the upload, never a path.
 UPLOAD = "clip"
 FILES = {
@@ -33,55 +29,6 @@ FILES = {
 }
 # The one that the page plays itself; others are downloads.
 COPY = "copy.mp4"
-
-
-@dataclass(frozen=True, kw_only=True)
-class Allowance:
-    """Limits of uploads.
-
-    Attributes
-    ----------
-    upload : int
-        Size of one file [bytes].
-    duration : float
-        Longest clip [s].
-    pixels, frames : int
-        Largest frame, and most frames.
-    """
-
-    upload: int = 500_000_000
-    duration: float = 600.0
-    pixels: int = 3840 * 2160
-    frames: int = 40_000
-
-    @classmethod
-    def of(cls, megabytes: float | None = None, minutes: float | None = None) -> Allowance:
-        """Return the usual allowance with another size and length of a clip.
-
-        Raises
-        ------
-        InputError
-            Unless both are positive.
-
-        Examples
-        --------
-        >>> most = Allowance.of(megabytes=2000, minutes=30)
-        >>> most.upload, most.duration, most.frames
-        (2000000000, 1800.0, 120000)
-        """
-        usual = cls()
-        for name, value in (("video-megabytes", megabytes), ("video-minutes", minutes)):
-            if value is not None and not 0.0 < value < math.inf:
-                raise InputError("must be positive", parameter=name, value=value)
-        size = usual.upload if megabytes is None else 1e6 * megabytes
-        length = usual.duration if minutes is None else 60.0 * minutes
-        longer = max(1.0, length / usual.duration)
-        return replace(usual, upload=int(size), duration=length, frames=int(usual.frames * longer))
-
-    @property
-    def limits(self) -> Limits:
-        """What the reader refuses by itself."""
-        return Limits(duration=self.duration, pixels=self.pixels, frames=self.frames)
 
 
 @dataclass
@@ -128,18 +75,15 @@ class Clip:
 
 
 class Desk:
-    """The clips of one open page and the work on them; both end when it closes."""
+    """The clips of one open page, removed when it closes."""
 
     def __init__(self, store: Store, key: str) -> None:
         self.key = key
         self.clips: dict[str, Clip] = {}
-        self.running: set[anyio.CancelScope] = set()
         self._store = store
 
     def close(self) -> None:
-        """End the work of this page and remove everything that is its own."""
-        for scope in self.running:
-            scope.cancel()
+        """Remove everything that is this page's own; its jobs end with their sockets."""
         for clip in list(self.clips.values()):
             self.remove(clip)
         self._store.desks.pop(self.key, None)
@@ -151,17 +95,12 @@ class Desk:
 
     @contextmanager
     def work_on(self, clip: Clip) -> Iterator[Path]:
-        """Give the folder of a clip to work that ends with this page."""
-        with anyio.CancelScope() as scope:
-            self.running.add(scope)
-            try:
-                yield clip.folder
-            finally:
-                self.running.discard(scope)
-                if not clip.is_whole or clip.key not in self.clips:
-                    self.remove(clip)
-        if scope.cancelled_caught:
-            raise InputError(f"the page of {clip.name} has closed")
+        """Give the folder of a clip to work; nothing of it stays if the clip does not."""
+        try:
+            yield clip.folder
+        finally:
+            if not clip.is_whole or clip.key not in self.clips:
+                self.remove(clip)
 
     def clip(self, key: Any) -> Clip:
         """Return a clip of this page.
@@ -177,10 +116,10 @@ class Desk:
 
 
 class Store:
-    """All clips of a server, below one temporary folder."""
+    """All clips of a server, below one temporary folder, each of at most `most_bytes`."""
 
-    def __init__(self, allowance: Allowance | None = None) -> None:
-        self.allowance = allowance or Allowance()
+    def __init__(self, most_bytes: int) -> None:
+        self.most_bytes = most_bytes
         self.desks: dict[str, Desk] = {}
         self._folder: Path | None = None
 
@@ -244,22 +183,19 @@ class Store:
         TooLargeError
             With the limit.
         """
-        most = self.allowance
-        if size > most.upload:
+        if size > self.most_bytes:
             raise TooLargeError(
-                f"{clip.name} is larger than {most.upload / 1e6:g} MB, the limit for an upload: "
-                "cut it, or start the application with --video-megabytes"
+                f"{clip.name} is larger than {self.most_bytes / 1e6:g} MB, the limit for an upload",
+                way_out="cut it, or use `latolato track`",
             )
 
 
 def display_name(text: str) -> str:
-    """Return the name of an upload for messages: one line without folders or control characters.
+    """Return the name of an upload for messages, from a header that pages write it to.
 
     Examples
     --------
-    >>> display_name("..%2F..%2Fetc%2Fswing%0A.mp4")
-    'swing.mp4'
+    >>> display_name("swing%201.mp4")
+    'swing 1.mp4'
     """
-    plain = unicodedata.normalize("NFC", unquote(text, errors="replace")).replace("\\", "/")
-    name = "".join(c for c in plain.rpartition("/")[2] if c.isprintable()).strip(" .")
-    return name[-_LONGEST_NAME:] or "video"
+    return "".join(c for c in unquote(text) if c.isprintable()) or "video"

@@ -29,7 +29,7 @@ from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.task import prepare
 from latolato.experiment.track import run
 from latolato.experiment.track_table import FLAGS, balls_of, read_table, write_table
-from latolato.experiment.video import Frame, Limits, Video, open_video
+from latolato.experiment.video import Frame, Video, open_video
 from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         tell("reading", 0.0)
         return look_at_table(job)
     # The copy plays as the file does.
-    video = open_video(job["path"], slow_motion=1.0, limits=Limits(**job["limits"]))
+    video = open_video(job["path"], slow_motion=1.0)
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
     if len(times) < _FEWEST:
         raise InputError(
@@ -75,7 +75,7 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
-        task = prepare(Path(job["path"]), None, None, {"limits": video.limits}, None,
+        task = prepare(Path(job["path"]), None, None, {}, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError as error:
         result["message"] = str(error)
@@ -131,7 +131,7 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     description = Description.from_json(job["description"])
     if not description.balls:
         raise InputError("point at one ball or two")
-    path, limits = Path(job["path"]), Limits(**job["limits"])
+    path = Path(job["path"])
     optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
     names = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
              "shape", "patch", "click_frame", "corrections")  # fmt: skip
@@ -140,11 +140,11 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     times = arrays["time"]
     ends = {"start": description.first_frame, "end": description.last_frame}
     if any(number is not None for number in ends.values()):
-        slower = description.slow_motion or open_video(path, limits=limits).slow_motion
+        slower = description.slow_motion or open_video(path).slow_motion
         for name, number in ends.items():
             if number is not None:
                 known[name] = (about["first"] + times[min(number, len(times) - 1)]) / slower
-    settings = {**known, "optics": Optics(**optics), "limits": limits}
+    settings = {**known, "optics": Optics(**optics)}
     task = prepare(path, description.pivot, description.balls, settings)
     task.warnings.clear()
     task.setup = replace(task.setup, is_proposed=description.is_proposed)
@@ -276,7 +276,7 @@ def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     attrs = table.attrs
     video = open_video(
         job["path"], slow_motion=float(attrs.get("slow_motion", 1.0)),
-        limits=Limits(**job["limits"]), start=float(attrs.get("start", -math.inf)),
+        start=float(attrs.get("start", -math.inf)),
         end=float(attrs.get("end", math.inf)),
     )  # fmt: skip
     if job["file"] == "overlay.mp4":
