@@ -37,6 +37,13 @@ def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(cor
     assert isinstance(fit.drive, ll.Harmonic)
 
 
+def test_parameters_that_no_sample_tells_apart_are_named():
+    # On a pivot at rest the motion depends on g/l and, with all of it, on the damping over l.
+    table = motion_table(PENDULUM, initial_angle=0.5, duration=10.0)
+    with pytest.raises(InputError, match="do not tell gravity and length apart"):
+        fit_model(table, PENDULUM, vary=["gravity", "length", "damping"])
+
+
 def test_a_pivot_seen_aside_is_within_the_deviations():
     guess = ll.Pendulum(length=0.35, mass=0.108, damping=0.004)
     misses, driven = [], []

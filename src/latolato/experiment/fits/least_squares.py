@@ -33,6 +33,9 @@ OUTLIER = 6.0
 MOST_CORRELATION = 0.99
 # Standard deviations of a prior within which a value is believed.
 _FAR = 3.0
+# Information on a combination of parameters, over that on the best known one, which may be
+# rounding, and the share of such a combination from which a parameter takes part in it.
+_ROUNDING, _TAKES_PART = 1e-12, 0.1
 # Parameters that messages name.
 _LISTED = 4
 _ROUNDS = 2
@@ -260,7 +263,7 @@ def solve(
     errors = white(residuals / data.sigmas)
     spread = _spread(errors, loose)
     covariance, widening = _covariance(
-        white(slopes / data.sigmas[:, None]), errors, spread, _beliefs(guesses, spread) ** 2
+        names, white(slopes / data.sigmas[:, None]), errors, spread, _beliefs(guesses, spread) ** 2
     )
     count = len(errors)
     solution = Solution(
@@ -429,17 +432,36 @@ def _differences(model: Model, values: Mapping[str, float], names: Sequence[str]
 
 
 def _covariance(
-    scores: Floats, errors: Floats, spread: float, stiffness: Floats
+    names: Sequence[str], scores: Floats, errors: Floats, spread: float, stiffness: Floats
 ) -> tuple[Floats, Floats]:
     """Return the covariance of the parameters and by how much correlation left widens each.
 
     `stiffness` is what priors add to the diagonal of the normal matrix.
+
+    Raises
+    ------
+    ConvergenceError
+        If the samples determine a combination of parameters no better than rounding does, so that
+        where the search ended says nothing.
     """
     scale = np.sqrt(np.sum(scores**2, axis=0) + stiffness)
     scale[scale == 0.0] = 1.0
     unit = scores / scale
     prior = np.diag(stiffness / scale**2)
-    inverse = np.linalg.pinv(unit.T @ unit + prior, hermitian=True)
+    sizes, directions = np.linalg.eigh(unit.T @ unit + prior)
+    if sizes[0] < _ROUNDING * sizes[-1]:
+        open_ones = [
+            name
+            for name, share in zip(names, directions[:, 0], strict=True)
+            if abs(share) > _TAKES_PART
+        ]
+        raise ConvergenceError(
+            f"the samples do not tell {' and '.join(open_ones)} apart"
+            if len(open_ones) > 1
+            else f"the samples do not depend on {open_ones[0]}",
+            way_out="fit fewer parameters, or use another part",
+        )
+    inverse = (directions / sizes) @ directions.T
     plain = spread * inverse
     moments = unit * errors[:, None]
     count = len(errors)

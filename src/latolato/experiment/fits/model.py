@@ -102,7 +102,8 @@ def fit_model(
         For bad input, parameters that the system does not have or that no motion determines (mass).
         If lmfit is missing.
     ConvergenceError
-        If the fit does not converge even in the shortest windows.
+        If the fit does not converge even in the shortest windows, or the samples do not tell
+        parameters apart, as gravity, length and damping on a pivot at rest.
 
     Notes
     -----
@@ -113,7 +114,7 @@ def fit_model(
     of the pivot's motion changes the parameters is part of their standard deviations: the fit is
     repeated with drives that the track allows as well. The angle of the hanging ball and the
     pivot's offset from its position in the table are fitted as well
-    (`latolato.experiment.fits.sight`). Gravity and length cannot be told apart on a pivot at rest.
+    (`latolato.experiment.fits.sight`).
     """
     found = described(table, system, drive, vary, ball=ball, start=start, end=end, window=window)
     names, data, model, solution = found.names, found.data, found.model, found.solution
