@@ -22,7 +22,7 @@ from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.tracking.appearance import Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
-from latolato.experiment.tracking.kernels import fitting, smears
+from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.link import Trajectory
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
@@ -68,7 +68,7 @@ def test_a_smeared_disc_covers_the_same_area_about_the_middle_of_its_path():
 
 
 @pytest.mark.parametrize("length", [10.0, 30.0, 70.0])
-def test_a_ball_swept_along_an_arc_is_the_mean_of_many_places(length):
+def test_few_places_along_an_arc_draw_what_many_do(length):
     radius, blur, arm, half = 12.0, 0.9, 150.0, 18
     j, i = np.mgrid[-half : half + 1, -half : half + 1]
     paint = np.stack([50.0 + 2.0 * i, 30.0 - j, 20.0 + 0.0 * i], axis=-1)
@@ -78,25 +78,17 @@ def test_a_ball_swept_along_an_arc_is_the_mean_of_many_places(length):
         return np.stack([arm * np.sin(angles), arm * np.cos(angles) - 75.0], axis=-1)
 
     pivot = np.array([0.0, -75.0])
-    exact, swept = np.zeros((2, 120, 140, 4), np.float32)
+    exact, drawn = np.zeros((2, 120, 140, 4), np.float32)
     ball = _drawn(radius, blur, paint)
     kernels.cover(path(400), np.zeros(400), ball, np.zeros(2), exact)
-    few = path(samples_for(length))
-    ready = fitting.prepared(few, pivot, ball)
-    assert len(ready[1]) >= 1
-    fitting.draw(few, np.zeros(2), pivot, ball, ready, np.zeros(2), swept)
-    assert swept[..., 3].sum() == pytest.approx(exact[..., 3].sum(), rel=1e-4)
-    assert np.abs(swept - exact)[..., 3].max() < 0.05
+    fitting.draw(path(samples_for(length)), np.zeros(2), pivot, ball, np.zeros(2), drawn)
+    assert drawn[..., 3].sum() == pytest.approx(exact[..., 3].sum(), rel=1e-4)
+    assert np.abs(drawn - exact)[..., 3].max() < 0.05
     columns = np.arange(140)
     middles = [
-        layer[..., 3].sum(axis=0) @ columns / layer[..., 3].sum() for layer in (exact, swept)
+        layer[..., 3].sum(axis=0) @ columns / layer[..., 3].sum() for layer in (exact, drawn)
     ]
     assert middles[0] == pytest.approx(middles[1], abs=0.02)
-
-
-def test_a_path_that_turns_back_has_no_straight_pieces():
-    there = np.stack([np.linspace(0.0, 9.0, 6), np.zeros(6)], axis=-1)
-    assert len(smears.pieces_of(np.concatenate([there, there[::-1]]))) == 0
 
 
 @pytest.mark.parametrize("guess", [20.0, 17.0])

@@ -18,8 +18,8 @@ from latolato.experiment.video import Video
 _TOLERANT = 4.0
 # Balls beyond these radii need every second pixel, and every fifth one only [pixels].
 _LARGE, _LARGEST = 14.0, 28.0
-# Samples along the path of a smeared ball: up to these every 2 pixels, beyond in this spacing.
-_FEW_SAMPLES, _SPACING = 5, 6.0
+# Distance of samples along the path of a smeared ball: its edge is as soft as that [pixels].
+_SPACING = 2.0
 
 
 _UNCHANGED = np.eye(3, dtype=np.float32)
@@ -162,8 +162,7 @@ class Appearance:
     ) -> np.ndarray:
         """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
         layer = np.zeros((*shape, 4), np.float32)
-        ready = fitting.prepared(path, pivot, self.drawn)
-        fitting.draw(path, np.zeros(2), pivot, self.drawn, ready, corner.astype(float), layer)
+        fitting.draw(path, np.zeros(2), pivot, self.drawn, corner.astype(float), layer)
         return layer
 
     def patch(
@@ -273,6 +272,5 @@ def arc(pivots: np.ndarray, angles: np.ndarray, arm: float | np.ndarray) -> np.n
 
 
 def samples_for(length: float) -> int:
-    """Return how many samples make a smear of some pixels smooth; straight pieces need fewer."""
-    most = max(_FEW_SAMPLES, math.ceil(length / _SPACING))
-    return min(max(1, math.ceil(length / 2.0)), most)
+    """Return how many samples make a smear of some pixels smooth."""
+    return max(1, math.ceil(length / _SPACING))
