@@ -25,6 +25,7 @@ from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.link import Trajectory
+from latolato.experiment.tracking.paint import filled
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
 from latolato.experiment.tracking.refine import contact_times
 from latolato.experiment.tracking.route import Route
@@ -89,6 +90,20 @@ def test_few_places_along_an_arc_draw_what_many_do(length):
         layer[..., 3].sum(axis=0) @ columns / layer[..., 3].sum() for layer in (exact, drawn)
     ]
     assert middles[0] == pytest.approx(middles[1], abs=0.02)
+
+
+def test_unseen_places_take_the_colours_of_their_nearest_neighbours():
+    known = np.random.default_rng(0).uniform(size=(30, 40, 3))
+    j, i = np.indices(known.shape[:2])
+    unseen = (np.hypot(i - 5.0, j - 2.0) < 6.0) | (np.hypot(i - 25.0, j - 18.0) < 4.5)
+    behind = known.copy()
+    behind[unseen] = np.nan
+    result = filled(behind)
+    assert (result[~unseen] == known[~unseen]).all()
+    for row, column in np.argwhere(unseen):
+        away = np.hypot(i - column, j - row)[~unseen]
+        nearest = known[~unseen][away == away.min()]
+        assert (nearest == result[row, column]).all(axis=1).any()
 
 
 @pytest.mark.parametrize("guess", [20.0, 17.0])

@@ -45,13 +45,16 @@ def uncover(
 
 
 def filled(behind: np.ndarray) -> np.ndarray:
-    """Return the background with unseen places filled from their nearest neighbours."""
+    """Return the background with unseen places filled, in place, from their nearest neighbours."""
     unseen = ~np.isfinite(behind).all(axis=-1)
     if not unseen.any() or unseen.all():
         return behind
-    at = distance_transform_edt(unseen, return_distances=False, return_indices=True)
-    filled: np.ndarray = behind[tuple(at)]
-    return filled
+    # Neighbours are next to what is unseen, and the whole picture may be large.
+    rows, columns = (np.flatnonzero(unseen.any(axis=axis)) for axis in (1, 0))
+    part = np.s_[max(rows[0] - 1, 0) : rows[-1] + 2, max(columns[0] - 1, 0) : columns[-1] + 2]
+    nearest = distance_transform_edt(unseen[part], return_distances=False, return_indices=True)
+    behind[part] = behind[part][tuple(nearest)]
+    return behind
 
 
 def first_paint(
