@@ -449,7 +449,7 @@ def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
     page.goto("/?view=analyse&scenario=fig02&drive_frequency=6 rad/s")
     page.wait_for_selector("[data-form]")
     found = page.evaluate(
-        """async () => { const { withOptions } = await import("/js/page/links.js");
+        """async () => { const { withOptions } = await import("/js/page/option_texts.js");
           const { registry } = window.latolato.views.analyse.page;
           return withOptions(registry, { drive_frequency: "6 rad/s", length: "1 m" },
             { frequency_ratio: "2" }); }"""

@@ -332,7 +332,8 @@ def test_a_language_is_one_file(page):
     page.goto("/?view=toy&lang=eo")
     assert spoken(page) == "eo"
     page.get_by_role("link", name="Mapo").wait_for()
-    page.get_by_label("gravita akcelo g", exact=True).wait_for(state="attached")
+    page.get_by_text("More parameters", exact=True).click()
+    page.get_by_label("gravita akcelo g", exact=True).wait_for()
 
 
 def test_english_comes_with_the_page_and_once(page):

@@ -365,7 +365,7 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     messages = page.locator(".stage-messages")
     option = "([name, text]) => window.latolato.views.toy.page.store.option(name, text)"
     page.evaluate(option, ["radius", "9 m"])
-    messages.get_by_text("“radius of one ball” must be at least 0 mm").wait_for()
+    messages.get_by_text("“radius of one ball” must be at least 0 m and").wait_for()
     page.evaluate(option, ["restitution", "2"])
     page.evaluate(option, ["radius", None])
     page.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()

@@ -100,6 +100,7 @@ def test_a_click_shows_the_run_of_that_cell_and_opens_it_in_toy(page):
     page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
     page.wait_for_function("() => location.search.includes('view=toy')")
+    page.get_by_text("More parameters", exact=True).click()
     # The computed value is in metres; nobody chose that unit.
     shown = page.get_by_label("driving amplitude A", exact=False).first
     assert float(shown.input_value()) == pytest.approx(1e3 * amplitude, rel=1e-5)

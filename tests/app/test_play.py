@@ -760,7 +760,7 @@ def test_a_chosen_unit_is_kept_but_the_address_goes_before_it(page):
     field = page.get_by_label("angular driving frequency ω", exact=True)
     in_hertz = float(field.input_value())
     page.reload()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.get_by_text("More parameters", exact=True).click()
     assert float(field.input_value()) == in_hertz
     open_form(page, "&scenario=fig02&duration=2%20s&drive_frequency=60%20rpm")
     assert float(field.input_value()) == 60.0
