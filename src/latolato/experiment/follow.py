@@ -19,13 +19,8 @@ from latolato.experiment.tracking.appearance import Appearance
 from latolato.experiment.tracking.dot import dot_radius
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.geometry import Geometry, fit_geometry
-from latolato.experiment.tracking.learn import (
-    ROUND,
-    SHARE,
-    ImageModel,
-    learn_dot_model,
-    learn_image_model,
-)
+from latolato.experiment.tracking.learn import ImageModel, learn_dot_model, learn_image_model
+from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.refine import Corrections, refine
 from latolato.experiment.tracking.route import Route, find_route
@@ -177,15 +172,14 @@ def _followed(
     dot = dot_radius(sample, route)
 
     def learned(radius: float | None) -> ImageModel:
-        half = None
         if not is_disc:
-            arm = geometry.arm(balls)
-            half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else SHARE * arm
-        elif math.isfinite(dot):
+            half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
+            return learn_template_model(video, sample, geometry, balls, half, route, tell)
+        if math.isfinite(dot):
             return learn_dot_model(sample, geometry, balls, route, dot)
         rough = route.radius if is_unseen else None
         return learn_image_model(
-            video, sample, geometry, balls, radius, route, tell, rough_radius=rough, half=half
+            video, sample, geometry, balls, radius, route, tell, rough_radius=rough
         )
 
     if is_unseen:
@@ -204,7 +198,7 @@ def _followed(
         )
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
-    if is_disc and is_off and isinstance(scene.look, Appearance):
+    if is_off and isinstance(scene.look, Appearance):
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learned(None)

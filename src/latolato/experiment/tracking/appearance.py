@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from latolato.experiment.video import Video
 _TOLERANT = 4.0
 # Balls beyond these radii need every second pixel, and every fifth one only [pixels].
 _LARGE, _LARGEST = 14.0, 28.0
-# Part of a disc's radius within which colours are its own, and the share of a pixel that a bob
-# covers wholly.
-_OWN, _WHOLLY = 0.8, 0.9
 # Distance of samples along the path of a smeared ball: its edge is as soft as that [pixels].
 _SPACING = 2.0
 
@@ -59,6 +56,29 @@ class Colours(NamedTuple):
         return out
 
 
+class Look(Protocol):
+    """What a ball looks like, and how it is fitted to frames: see `Appearance`."""
+
+    radius: float
+    radius_sigma: float
+    exposure: float
+    is_spinning: bool
+
+    @property
+    def body(self) -> np.ndarray | None:
+        """What a ball covers that is no disc: see `latolato.experiment.tracking.template`."""
+
+    def fit(
+        self,
+        planes: tuple[np.ndarray, ...],
+        paths: list[np.ndarray],
+        pivot: np.ndarray,
+        rounds: int = 6,
+        tolerant: int = 1,
+    ) -> BallFit:
+        """Move balls from where they are expected: see `fit_balls`."""
+
+
 @dataclass
 class Appearance:
     """The layers of the image: balls that move in front of a background that does not.
@@ -81,12 +101,11 @@ class Appearance:
     radius_sigma : float
         Standard deviation of the radius [pixels].
     is_spinning : bool
-        Whether a disc's paint turns with the rod, as a pattern does, or stays, as shading does.
+        Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
     variance : numpy.ndarray, shape (row, column)
         By how much more than the background's the whitened colours vary about the paint, each.
-    share : numpy.ndarray, shape (row, column), or None
-        Which share of a pixel about its centre a bob covers that is no disc, as it hangs straight
-        down. Its colours turn with the rod, and its radius is half its width across the rod.
+    body : None
+        A ball is a disc.
     whiten, white_paint : numpy.ndarray
         The matrix that makes residuals white, and the paint's colours times it.
     """
@@ -103,7 +122,7 @@ class Appearance:
     radius_sigma: float = 0.0
     is_spinning: bool = False
     variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1), np.float32))
-    share: np.ndarray | None = None
+    body: None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
 
@@ -119,9 +138,8 @@ class Appearance:
             for row in self.behind:  # in place: the picture may be large
                 row[:] = row @ change
             self.whiten = whiten
-        share = np.ones(self.paint.shape[:2]) if self.share is None else self.share
-        white = share[..., None] * (self.paint @ self.whiten.T)
-        self.white_paint = np.dstack([white, share]).astype(np.float32)
+        white = self.paint @ self.whiten.T
+        self.white_paint = np.dstack([white, np.ones(white.shape[:2])]).astype(np.float32)
 
     def fit(
         self,
@@ -131,72 +149,13 @@ class Appearance:
         rounds: int = 6,
         tolerant: int = 1,
     ) -> BallFit:
-        """Move balls from where they are expected until they explain a frame (Gauss-Newton).
-
-        Parameters
-        ----------
-        planes : tuple of numpy.ndarray
-            The frame.
-        paths : list of numpy.ndarray, shape (sample, 2)
-            Centres of each ball within the exposure; the fit shifts them as a whole.
-        pivot : numpy.ndarray
-            Pivot (column, row), from which rods run.
-        rounds, tolerant : int
-            Most steps, and how many of them overlook large residuals to be drawn from farther away.
-        """
-        ball = self.drawn
-        margin = ball.radius + 2.0 * self.blur + 0.35 * ball.radius + 3.0
-        everything = np.concatenate(paths)
-        low = np.floor(everything.min(axis=0) - margin).astype(int)
-        high = np.ceil(everything.max(axis=0) + margin).astype(int)
-        shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-        # A disc of as many pixels.
-        size = self.radius if self.share is None else math.sqrt(self.share.sum() / math.pi)
-        every = 5 if size > _LARGEST else 2 if size > _LARGE else 1
-        patch = self.patch(planes, low, shape, every=every)
-        scales = np.full(rounds, self.scale)
-        scales[:tolerant] *= _TOLERANT
-        ends = np.cumsum([len(path) for path in paths])
-        cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, ball, scales)
-        pixels = np.maximum(tally[:, 0], 1.0)
-        covariance = np.linalg.inv(matrix)
-        cost *= every / (shape[0] * shape[1])
-        return BallFit(shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost)
-
-    @property
-    def body(self) -> np.ndarray | None:
-        """What a bob covers that is no disc, shape (row, column)."""
-        return None if self.share is None else self.share > 0.5
-
-    @property
-    def reach(self) -> float:
-        """How far from its centre a ball reaches [pixels]."""
-        if self.share is None:
-            return self.radius
-        return float(self._away[self.share > 0.0].max()) + 2.0 * self.blur
-
-    @property
-    def inside(self) -> np.ndarray:
-        """Which pixels of the paint are a ball's own, and not its edge's, shape (row, column)."""
-        if self.share is None:
-            return np.asarray(self._away < _OWN * self.radius)
-        return self.share > _WHOLLY
-
-    @property
-    def _away(self) -> np.ndarray:
-        """How far the paint's pixels are from the centre, shape (row, column)."""
-        half = (self.paint.shape[0] - 1) // 2
-        return np.asarray(np.hypot(*(np.indices(self.paint.shape[:2]) - half)))
-
-    def turn(self, angle: float) -> float:
-        """Return by how much the paint is turned at an angle of the rod [rad]."""
-        return angle if self.is_spinning or self.share is not None else 0.0
+        """Move balls from where they are expected: see `fit_balls`."""
+        return fit_balls(self, planes, paths, pivot, rounds, tolerant)
 
     @property
     def drawn(self) -> Ball:
         """How the kernels draw a ball, in whitened colours."""
-        turns = self.is_spinning or self.share is not None
-        return Ball(self.reach, self.blur, self.white_paint, self.variance, turns)
+        return Ball(self.radius, self.blur, self.white_paint, self.variance, self.is_spinning)
 
     def ball(
         self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
@@ -261,6 +220,46 @@ class BallFit:
     explained: np.ndarray
     hidden: np.ndarray
     cost: float
+
+
+def fit_balls(
+    look: Appearance,
+    planes: tuple[np.ndarray, ...],
+    paths: list[np.ndarray],
+    pivot: np.ndarray,
+    rounds: int = 6,
+    tolerant: int = 1,
+) -> BallFit:
+    """Move balls from where they are expected until they explain a frame (Gauss-Newton).
+
+    Parameters
+    ----------
+    look : Appearance
+        What to expect.
+    planes : tuple of numpy.ndarray
+        The frame.
+    paths : list of numpy.ndarray, shape (sample, 2)
+        Centres of each ball within the exposure; the fit shifts them as a whole.
+    pivot : numpy.ndarray
+        Pivot (column, row), from which rods run.
+    rounds, tolerant : int
+        Most steps, and how many of them overlook large residuals to be drawn from farther away.
+    """
+    margin = look.radius + 2.0 * look.blur + 0.35 * look.radius + 3.0
+    everything = np.concatenate(paths)
+    low = np.floor(everything.min(axis=0) - margin).astype(int)
+    high = np.ceil(everything.max(axis=0) + margin).astype(int)
+    shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
+    every = 5 if look.radius > _LARGEST else 2 if look.radius > _LARGE else 1
+    patch = look.patch(planes, low, shape, every=every)
+    scales = np.full(rounds, look.scale)
+    scales[:tolerant] *= _TOLERANT
+    ends = np.cumsum([len(path) for path in paths])
+    cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
+    pixels = np.maximum(tally[:, 0], 1.0)
+    covariance = np.linalg.inv(matrix)
+    cost *= every / (shape[0] * shape[1])
+    return BallFit(shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost)
 
 
 def arc(pivots: np.ndarray, angles: np.ndarray, arm: float | np.ndarray) -> np.ndarray:

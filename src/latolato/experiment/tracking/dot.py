@@ -63,7 +63,7 @@ class Dot:
     ) -> BallFit:
         """Move dots to the middles of what differs from the wall about their paths.
 
-        Parameters and result are those of `latolato.experiment.tracking.appearance.Appearance.fit`.
+        Parameters and result are those of `latolato.experiment.tracking.appearance.fit_balls`.
         `tolerant` widens where is looked; a pixel belongs to the path that is nearest. That a dot
         looks like the wall shows in how little of it is explained.
         """

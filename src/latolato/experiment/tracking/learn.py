@@ -10,7 +10,12 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.tilt import Tilt
-from latolato.experiment.tracking.appearance import Appearance, Colours, arc
+from latolato.experiment.tracking.appearance import (
+    Appearance,
+    Colours,
+    Look,
+    arc,
+)
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.dot import Dot
 from latolato.experiment.tracking.geometry import Geometry
@@ -23,21 +28,13 @@ from latolato.experiment.tracking.pivot import (
 )
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.teach import (
-    Sighting,
-    learn_body,
-    learn_exposure,
-    learn_look,
-)
+from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
 from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
 _NOISE, _BLUR = 0.03, 0.8
 # In poor light the noise is less: a share of the contrast, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
-# Half the side of the patch about a bob that is no disc, where it is not given: over the radius of
-# the bob, or over the arm. First guess of its width over that of the patch.
-ROUND, SHARE, _CORE = 1.4, 0.15, 0.6
 # How often balls are fitted and their look is learned again.
 _ROUNDS = 3
 # Typical share that colours that stay explain from which those that turn are not tried, and by how
@@ -70,8 +67,8 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Appearance or Dot
-        What balls and background look like, or how dots are found.
+    look : Look
+        Layers of the image, or a template of bobs that are no discs.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
@@ -85,7 +82,7 @@ class ImageModel:
     """
 
     pivot: PivotTracker
-    look: Appearance | Dot
+    look: Look
     arm: float
     balls: int
     explained: float = 1.0
@@ -111,7 +108,6 @@ def learn_image_model(
     progress: Callable[[float], None] | None = None,
     *,
     rough_radius: float | None = None,
-    half: float | None = None,
 ) -> ImageModel:
     """The image model of a clip: background, balls and pivot.
 
@@ -129,8 +125,6 @@ def learn_image_model(
         Where the balls roughly are in all frames.
     rough_radius : float, optional
         Of the balls, from which their radius is looked for [pixels]; by default a share of the arm.
-    half : float, optional
-        Half the side of the patch about the click [pixels], for bobs that are no discs.
 
     Raises
     ------
@@ -142,12 +136,10 @@ def learn_image_model(
     tracker, shifts, tilt = replace(geometry.tracker), geometry.shifts, geometry.tilt
     pivots = tracker.place(shifts)
     centres = [np.array(ball, float) for ball in balls]
-    size = half or radius or rough_radius or 0.08 * geometry.arm(balls)
+    size = radius or rough_radius or 0.08 * geometry.arm(balls)
     shots: list[tuple[int, np.ndarray]] = []
     for b, click in enumerate(balls):
-        own = [(0, click)]
-        if half is None:
-            own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
+        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
@@ -176,12 +168,8 @@ def learn_image_model(
     if route.is_smeared:
         look.exposure = route.exposure
     scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
-    if half is None:
-        turned = [(frames[k], at, _angle(at, pivots[k])) for k, at in shots]
-        sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
-    else:
-        scene.lean = _lean(route, sample.click, balls, pivots[0])
-        sightings = _first_fit_of_bobs(scene, frames, pivots, route, centres[0], math.ceil(half))
+    turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
+    sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
     for round_ in range(_ROUNDS):
         if round_ > 0:
             sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
@@ -190,8 +178,7 @@ def learn_image_model(
                 f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
                 "frames",
                 way_out="point at the middle of the ball"
-                + (", and check radius and length" if radius else "")
-                + (", or choose another patch" if half else ""),
+                + (", and check radius and length" if radius else ""),
             )
         scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
@@ -247,42 +234,6 @@ def _first_fit(
     look.is_spinning, look.paint = False, paint
     look.whitened()
     return staying
-
-
-def _first_fit_of_bobs(
-    scene: ImageModel,
-    frames: list[Frame],
-    pivots: np.ndarray,
-    route: Route,
-    click: np.ndarray,
-    half: int,
-) -> list[Sighting]:
-    """Return the bobs of the sample fitted as what is in the patch that was pointed at."""
-    look = scene.look
-    assert isinstance(look, Appearance)
-    away = np.hypot(*(np.indices((2 * half + 1, 2 * half + 1)) - half))
-    look.paint = np.zeros((*away.shape, 3))
-    look.share = (away <= _CORE * half).astype(float)
-    first = Sighting(0, click, pivots[0], _angle(click, pivots[0]), 0.0, 1.0, np.zeros(2))
-    learn_body(look, frames, [first])
-    sightings = first_sightings(scene, frames, pivots, route)
-    return fit_sample(scene, frames, sightings, pivots, tolerant=1)
-
-
-def _lean(route: Route, number: int, balls: list[np.ndarray], pivot: np.ndarray) -> float:
-    """Return by which angle what is pointed at is ahead of the middle of what moves [rad]."""
-    if not (0 <= number < len(route.times) and route.is_seen[number].all()):
-        return 0.0
-    each = [
-        math.remainder(_angle(ball, pivot) - _angle(place, pivot), math.tau)
-        for ball, place in zip(balls, route.places[number], strict=True)
-    ]
-    return float(np.mean(each))
-
-
-def _angle(place: np.ndarray, pivot: np.ndarray) -> float:
-    """Return the angle of a place from straight down about a pivot [rad]."""
-    return math.atan2(*(place - pivot))
 
 
 def learn_dot_model(

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 
 import numpy as np
 from scipy.ndimage import distance_transform_edt, find_objects, label, map_coordinates
 
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
-
-Window = Callable[[np.ndarray, tuple[int, int]], np.ndarray]
 
 
 def uncover(
@@ -61,43 +58,33 @@ def first_paint(
     shots: list[tuple[Frame, np.ndarray, float]], colours: Colours, radius: float
 ) -> np.ndarray:
     """Return the typical colours of balls: frame, centre and turn of each [pixels, rad]."""
-    half = half_of(radius)
-    each = np.stack([painted(seen_in(frame, colours), at, turn, half) for frame, at, turn in shots])
-    each[:, np.hypot(*(np.indices(each.shape[1:3]) - half)) > 0.88 * radius] = np.nan
+    each = [painted(frame, at, turn, colours, radius, 0.88 * radius) for frame, at, turn in shots]
     return filled(np.median(each, axis=0))
 
 
-def half_of(radius: float) -> int:
-    """Return half the side of the colours that are kept of a disc [pixels]."""
-    return int(np.ceil(1.3 * radius)) + 2
-
-
-def seen_in(frame: Frame, colours: Colours) -> Window:
-    """Return the function that gives the linear colours of a frame's windows."""
-    return lambda corner, shape: colours.window(frame[2:], corner, shape)
-
-
-def painted(window: Window, centre: np.ndarray, turn: float, half: int) -> np.ndarray:
-    """Return the colours about a centre, turned back, shape (2 half + 1, 2 half + 1, 3).
-
-    `window` gives linear colours from a corner on.
-    """
+def painted(
+    frame: Frame, centre: np.ndarray, turn: float, colours: Colours, radius: float, inner: float
+) -> np.ndarray:
+    """Return the colours about a centre, turned back; NaN beyond `inner`."""
+    half = int(np.ceil(1.3 * radius)) + 2
     reach = int(1.5 * half) + 2
     corner = np.floor(centre).astype(int) - reach
     side = 2 * reach + 2
-    image = np.nan_to_num(window(corner, (side, side)))
+    image = np.nan_to_num(colours.window(frame[2:], corner, (side, side)))
     j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
     x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
     y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
     planes = np.moveaxis(image, -1, 0)
-    return np.stack([map_coordinates(p, (y, x), float, 3, mode="nearest") for p in planes], -1)
+    paint = np.stack([map_coordinates(p, (y, x), float, 1, mode="nearest") for p in planes], -1)
+    paint[np.hypot(i, j) > inner] = np.nan
+    return paint
 
 
 def learn_background(
     look: Appearance, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
 ) -> None:
     """Learn the background again where balls hid it in much of the sample, from other frames."""
-    reach = 1.3 * look.reach + 2.0
+    reach = 1.3 * look.radius + 2.0
     discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
     count = np.zeros(look.behind.shape[:2], np.uint8)
     for own in discs:

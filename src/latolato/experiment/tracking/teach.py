@@ -6,14 +6,13 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.ndimage import binary_dilation, binary_erosion
 
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.tilt import Tilt
-from latolato.experiment.tracking.appearance import Appearance, arc, samples_for
+from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
-from latolato.experiment.tracking.paint import filled, half_of, painted, seen_in
+from latolato.experiment.tracking.paint import filled, painted
 from latolato.experiment.video import Frame
 
 # Share of the contrast between ball and wall from which a residual is something else.
@@ -29,12 +28,6 @@ _HARDLY, _FEWEST_SHOTS = 0.4, 3
 _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 # Frames whose ball moved less than this share of its radius in an interval teach its colours.
 _SLOW = 0.4
-# Least contrast of a bob with the wall, and first guess of what its colours do not explain: shares
-# of white.
-_PLAIN, _UNEXPLAINED = 0.02, 0.03
-# A pixel is the bob's if the wall would leave this many times more of it unexplained, and this
-# share of the contrast.
-_CLEAR, _CLEAR_SHARE = 4.0, 0.25
 # Balls around which noise is learned.
 _RINGS = 16
 # Share of what one kind of colours leaves unexplained that another may leave to be believed
@@ -83,74 +76,11 @@ def learn_look(
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
-    if look.share is not None:
-        learn_body(look, frames, teachers)
-        _learn_noise(look, frames, good)
-        return arm
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     clear = _learn_noise(look, frames, good)
     _learn_variance(look, frames, teachers, clear)
     return arm
-
-
-def learn_body(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
-    """Learn what a bob covers that is no disc, and its colours, from frames turned onto each other.
-
-    A pixel is the bob's if the wall leaves clearly more of it unexplained than the bob's typical
-    colours do. At the edge, the share that the bob covers is how far colours are on the way from
-    those of the wall to those of the nearest pixels of the bob.
-
-    Raises
-    ------
-    InputError
-        If the bob looks like the wall.
-    """
-    half = (look.paint.shape[0] - 1) // 2
-    own, wall = (
-        np.stack(
-            [
-                painted(window, one.centre, one.angle, half)
-                for one, window in zip(teachers, windows, strict=True)
-            ]
-        )
-        for windows in (
-            [seen_in(frames[one.frame], look.colours) for one in teachers],
-            [look.wall] * len(teachers),
-        )
-    )
-    patch = np.hypot(*(np.indices(own.shape[1:3]) - half)) <= half + 0.5
-    typical = np.median(own, axis=0)
-    as_wall, rest = (
-        np.median(np.mean((_coded(own) - _coded(other)) ** 2, axis=-1), axis=0)
-        for other in (wall, typical)
-    )
-    if len(teachers) < _FEWEST_SHOTS:  # one patch explains itself
-        rest = np.full_like(as_wall, _UNEXPLAINED**2)
-    contrast = float(np.quantile(as_wall[patch], 0.95))
-    if contrast < _PLAIN**2:
-        raise InputError(
-            "the patch around the click looks like the wall",
-            way_out="point at the bob, or make the patch larger",
-        )
-    body = patch & (as_wall > np.maximum(_CLEAR * rest, _CLEAR_SHARE**2 * contrast))
-    if not body.any():
-        return
-    whole = binary_erosion(body, iterations=2)
-    whole = whole if whole.any() else body
-    look.paint = filled(np.where(whole[..., None], typical, np.nan))
-    gap = look.paint - wall
-    share = np.sum(gap * (own - wall), axis=(0, 3)) / (np.sum(gap**2, axis=(0, 3)) + 1e-9)
-    share[~binary_dilation(body)] = 0.0
-    look.share = np.where(whole, 1.0, np.clip(share, 0.0, 1.0))
-    look.radius = float(np.quantile(np.abs(np.argwhere(body)[:, 1] - half), 0.95)) + 0.5
-    look.radius_sigma = 1.0
-    look.whitened()
-
-
-def _coded(light: np.ndarray) -> np.ndarray:
-    """Return linear light roughly as it is coded; between pixels it may overshoot below 0."""
-    return np.asarray(np.sqrt(np.maximum(light, 0.0)))
 
 
 def _learn_paint(
@@ -167,8 +97,8 @@ def _learn_paint(
         look.paint = filled(np.median(_paints(look, frames, teachers), axis=0))
         look.whitened()
         cost = sum(
-            look.fit(
-                frames[one.frame][2:], [one.path(arm, look.exposure)], one.pivot, rounds=1,
+            fit_balls(
+                look, frames[one.frame][2:], [one.path(arm, look.exposure)], one.pivot, rounds=1,
                 tolerant=0,
             ).cost
             for one in teachers
@@ -182,18 +112,14 @@ def _learn_paint(
 
 def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> list[np.ndarray]:
     """Return the colours within the edge of each ball, NaN beyond."""
-    half = half_of(look.radius)
-    beyond = (
-        np.hypot(*(np.indices((2 * half + 1, 2 * half + 1)) - half))
-        > look.radius - 1.6 * look.blur - 0.3
-    )
-    paints = []
-    for one in teachers:
-        window = seen_in(frames[one.frame], look.colours)
-        paint = painted(window, one.centre, look.turn(one.angle), half)
-        paint[beyond] = np.nan
-        paints.append(paint)
-    return paints
+    inner = look.radius - 1.6 * look.blur - 0.3
+    return [
+        painted(
+            frames[one.frame], one.centre, one.angle if look.is_spinning else 0.0, look.colours,
+            look.radius, inner,
+        )
+        for one in teachers
+    ]  # fmt: skip
 
 
 def _learn_edge(
@@ -227,7 +153,7 @@ def _learn_edge(
                 look.wall(corner, (side, side)),
                 path - corner,
                 one.pivot - corner,
-                look.turn(one.angle),
+                one.angle if look.is_spinning else 0.0,
                 np.reshape(others, (-1, 2)),
             )
         )
@@ -241,7 +167,7 @@ def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Sighting], 
 
     def cost() -> float:
         return sum(
-            look.fit(frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
+            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
             for one, path in zip(teachers, paths, strict=True)
         )
 
@@ -263,11 +189,11 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
     Returns the residual from which something would be else than a ball of one colour.
     """
     outer, inner, rest_walls = [], [], []
-    exposure, radius = look.exposure or 0.5, look.reach
+    exposure = look.exposure or 0.5
     for one in sightings[:: max(1, len(sightings) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
         smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
-        half = int(1.7 * radius + 0.5 * smear) + 2
+        half = int(1.7 * look.radius + 0.5 * smear) + 2
         side = 2 * half + 1
         corner = np.rint(one.centre).astype(int) - half
         image = look.colours.window(frames[one.frame][2:], corner, (side, side))
@@ -277,22 +203,23 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         away = np.hypot(dx, dy)
         along = (one.pivot - one.centre) / np.hypot(*(one.pivot - one.centre))
         is_rod = (dx * along[0] + dy * along[1] > 0.0) & (
-            np.abs(dx * along[1] - dy * along[0]) < 0.5 * radius
+            np.abs(dx * along[1] - dy * along[0]) < 0.5 * look.radius
         )
         beyond = away - 0.5 * smear
-        ring = (beyond > 1.15 * radius) & (beyond < 1.7 * radius) & ~is_rod
+        ring = (beyond > 1.15 * look.radius) & (beyond < 1.7 * look.radius) & ~is_rod
         if not np.isfinite(wall[ring]).any():
             continue
         outer.append((image - wall)[ring])
         rest_walls.append(np.nanmedian(wall[ring], axis=0))
         if one.explained > _TEACHES and smear < _SLOW * look.radius:
             m = (look.paint.shape[0] - 1) // 2
-            core, turn = away < radius, look.turn(one.angle)
+            core = away < 0.8 * look.radius
+            turn = one.angle if look.is_spinning else 0.0
             back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
             back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
-            inner.append((image[core] - look.paint[q, p])[look.inside[q, p]])
+            inner.append(image[core] - look.paint[q, p])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
@@ -308,7 +235,9 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         own = own[np.isfinite(own).all(axis=1)]
         squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
         own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
-    gap = look.paint[look.inside] - np.median(rest_walls, axis=0)
+    m = (look.paint.shape[0] - 1) // 2
+    j, i = np.indices(look.paint.shape[:2]) - m
+    gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
     contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
     if contrast == 0.0:
         raise InputError(
@@ -385,9 +314,9 @@ def _cost_in_window(
     look: Appearance, frame: Frame, path: np.ndarray, one: Sighting, arm: float
 ) -> float:
     """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
-    fit = look.fit(frame[2:], [path], one.pivot)
+    fit = fit_balls(look, frame[2:], [path], one.pivot)
     reach = abs(one.speed) * arm
-    margin = look.reach * 1.35 + 2.0 * look.blur + 3.0
+    margin = look.radius * 1.35 + 2.0 * look.blur + 3.0
     ends = path + fit.shift[0]
     low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
     high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
