@@ -101,6 +101,8 @@ def test_scenarios_of_maps_name_the_files_of_their_curves():
 def test_what_holds_no_curve_is_refused(text, words):
     with pytest.raises(InputError, match=f"curves holds no bifurcation curve: {words}"):
         read_curves(text)
+    with pytest.raises(InputError, match="curves holds no"):
+        files.prepare({}, {"kind": "svg", "observable": "mean_energy", "curves": [text]})
 
 
 def test_a_picture_of_a_map_has_its_bifurcation_curves(tmp_path):

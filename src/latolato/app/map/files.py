@@ -47,9 +47,11 @@ def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
     Raises
     ------
     InputError
-        If no such map was named, or for values that its runs cannot have.
+        If no such map was named, a text holds no curve, or for values that its runs cannot have.
     """
     request, media_type = dict(body), KINDS[body["kind"]]
+    for text in body.get("curves") or []:
+        read_curves(text)  # refused now, not after the map has been computed
     if body.get("stored") is not None:
         request["path"] = str(path_of(known, body["stored"]))
     else:

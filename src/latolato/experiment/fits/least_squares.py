@@ -42,7 +42,7 @@ _ROUNDS = 2
 
 
 class ConvergenceError(InputError):
-    """The samples do not determine the parameters of a fit, and its search does not converge."""
+    """The samples do not determine the parameters of a fit, or its search does not converge."""
 
 
 @dataclass(frozen=True)
