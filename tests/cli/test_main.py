@@ -319,6 +319,22 @@ def test_a_signal_that_python_wraps_in_an_error_ends_as_that_signal(monkeypatch,
     assert cli.main([]) == code
 
 
+@pytest.mark.parametrize("kept", [True, False])
+def test_ctrl_c_says_nothing_of_a_call_that_it_came_before(monkeypatch, capsys, kept):
+    async def write():
+        """Never begun, as Ctrl-C comes before it is given to the event loop."""
+
+    def app(**_):
+        call = write()
+        if not kept:
+            del call
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(cli, "app", app)
+    assert cli.main([]) == 130
+    assert capsys.readouterr() == ("", "")
+
+
 def test_plain_options_run_the_toy_of_the_experiment():
     # the example of the documentation
     result = simulate(

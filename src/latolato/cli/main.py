@@ -141,8 +141,19 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with warnings.catch_warnings():
             warnings.showwarning = _show_warning
             warnings.simplefilter("always", RuntimeWarning)
-            code = app(args=arguments, prog_name="latolato", standalone_mode=False)
-            return code if isinstance(code, int) else 0
+            # Ctrl-C in one of Zarr's calls can leave a coroutine that nothing has begun.
+            warnings.filterwarnings("ignore", "coroutine .* was never awaited", RuntimeWarning)
+            return _exit_code(arguments)
+    finally:
+        signal.signal(signal.SIGTERM, before)
+        sys.unraisablehook = hook
+
+
+def _exit_code(arguments: Sequence[str] | None) -> int:
+    """Run the command line, print an error as one line and return the exit code."""
+    try:
+        code = app(args=arguments, prog_name="latolato", standalone_mode=False)
+        return code if isinstance(code, int) else 0
     except (KeyboardInterrupt, typer.Abort):
         return 130
     except UsageError as error:
@@ -153,9 +164,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return ending
         message = refusal_of(error)
         return _refuse(message) if message is not None else _refuse(report_of(error), _FAULT)
-    finally:
-        signal.signal(signal.SIGTERM, before)
-        sys.unraisablehook = hook
 
 
 def _ending(error: BaseException) -> int | None:
