@@ -36,8 +36,8 @@ def suggest(name: object, known: list[str]) -> str:
     """Return a closing clause such as ``did you mean 'length'?``, or a list of what is known.
 
     Suggested is the only known name that begins with `name`, capitals and dashes aside; else the
-    one that the fewest slips of the pen lead from, if they are few for its length; else the only
-    one that `name` is a part of.
+    one that the fewest slips of the pen lead from, if they are few for its length; else those that
+    `name` is a part of.
 
     Examples
     --------
@@ -49,6 +49,8 @@ def suggest(name: object, known: list[str]) -> str:
     "did you mean 'drive_phase'?"
     >>> suggest("drive_times", ["times", "drive_phase"])
     "did you mean 'times'?"
+    >>> suggest("mass", ["right_mass", "left_mass", "restitution"])
+    'known are right_mass, left_mass'
     >>> suggest("friction", ["duration", "restitution"])
     'known are duration, restitution'
     """
@@ -67,7 +69,7 @@ def suggest(name: object, known: list[str]) -> str:
     holders = [each for each in known if typed in _plain(each)]
     if len(holders) == 1 and is_long:
         return _meant(holders[0])
-    return sentence("known", names=", ".join(known))
+    return sentence("known", names=", ".join(holders if holders and is_long else known))
 
 
 def _meant(name: str) -> str:

@@ -266,8 +266,10 @@ def slopes_of(
                 changes = [np.where(other != here, other - here, 0.0) for other in there]
             _floats(slopes[name])[:] = shares @ np.array(changes)
         return slopes
-    raise refusal or InputError(
-        "names a parameter that its limits leave no room to change", parameter="sensitivity_to"
+    why = f": {refusal}" if refusal else ""
+    raise InputError(
+        f"names a parameter that its limits leave no room to change{why}",
+        parameter="sensitivity_to",
     )
 
 

@@ -292,7 +292,7 @@ def _names(system: System, known: Mapping[str, Parameter], vary: Sequence[str] |
             choices = ["angle_offset", *known]
             raise InputError(f"nothing called '{name}' can vary: {suggest(name, choices)}")
     if not vary:
-        raise InputError("needs at least one name", parameter="vary")
+        raise InputError("there is nothing to fit: give at least one name")
     return list(dict.fromkeys(vary))
 
 

@@ -38,6 +38,7 @@ from latolato.experiment.fits.least_squares import (
 from latolato.experiment.fits.model import Described, described, doubt_of, drive_to_keep
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import (
+    OF_A_PART,
     TWO_SIDED,
     Adequacy,
     Estimate,
@@ -133,7 +134,8 @@ def fit_posterior(
     Raises
     ------
     InputError
-        For bad input, as `fit_model`; if nutpie is missing.
+        For bad input, as `fit_model`; if the model does not describe the samples, or these
+        contradict a prior; if nutpie is missing.
     ConvergenceError
         If least squares do not converge, from which the chains begin.
 
@@ -157,6 +159,11 @@ def fit_posterior(
         prior=prior, fits_pivot=True,
     )  # fmt: skip
     density = Density.about(found)
+    doubt = doubt_of(found, list(density.bends.T))
+    if not doubt.describes:
+        # Paths in the density of a wrong model can take hours, and no draw would be a result.
+        advice = OF_A_PART if doubt.is_in_record else ""
+        raise InputError(f"nothing to sample: {doubt.doubt.rstrip('.')}{advice}")
     samples, broken = sampled(density, count, paths, seed)
     return _fit_of(found, density, samples, broken)
 
@@ -540,13 +547,10 @@ def _fit_of(found: Described, density: Density, samples: Floats, broken: NDArray
         "divergences": int(broken.sum()), "band_share": share,
         "shares_errors": shares_errors(found),
     }  # fmt: skip
-    changes = list(density.bends.T)
-    adequacy = doubt_of(found, changes)
-    if adequacy.describes:
-        adequacy = _doubt_of_chains(rhat, effective, broken)
     fit = make_fit(
         "posterior", estimates, _verdict(estimates, about), curves, about,
-        drive_to_keep(best_drive), best, adequacy=adequacy,
+        drive_to_keep(best_drive), best,
+        adequacy=_doubt_of_chains(rhat, effective, broken),
     )  # fmt: skip
     more: dict[str, Any] = {}
     for name in found.names:

@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
-# What a verdict says after a doubt.
+# What a verdict says after a doubt, and what may help if the reason is in the record.
 _WITHHELD = "No number of this fit is a result. Its values are kept for inspection"
-_OF_A_PART = "; give start and end to fit a part that the model describes"
+OF_A_PART = "; give start and end to fit a part that the model describes"
 # The least and the largest value that an experiment is likely to have, and what else it may be.
 _USUAL = {
     "length": (5e-3, 70.0, "is the clock in seconds, not in frames or milliseconds"),
@@ -319,7 +319,7 @@ def make_fit(
         if value is not None:
             kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
-        advice = _OF_A_PART if adequacy.is_in_record else ""
+        advice = OF_A_PART if adequacy.is_in_record else ""
         verdict = f"{adequacy.doubt} {_WITHHELD}{advice}."
     elif adequacy.note:
         verdict = f"{verdict} {adequacy.note}"

@@ -258,7 +258,7 @@ export function suggest(name, known) {
   if (best >= LIKENESS) return meant(known[likeness.indexOf(best)]);
   const holders = known.filter((each) => plain(each).includes(typed));
   if (holders.length === 1 && isLong) return meant(holders[0]);
-  return sentenceOf("known", { names: known.join(", ") });
+  return sentenceOf("known", { names: (holders.length > 0 && isLong ? holders : known).join(", ") });
 }
 
 /**
