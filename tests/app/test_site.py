@@ -155,6 +155,23 @@ def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     assert visit.faults == []
 
 
+def test_a_page_that_was_never_read_says_so_without_a_network(visit, web):
+    visit.goto(web[0])
+    visit.locator("#language").select_option("id")
+    visit.get_by_role("button", name="Bagikan").wait_for(timeout=PATIENCE)
+    visit.evaluate("() => navigator.serviceWorker.ready")
+    visit.context.set_offline(True)
+    visit.goto(f"{web[0]}docs/gallery.html")
+    visit.locator(".message").get_by_text("belum tersimpan di perangkat ini").wait_for()
+    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    visit.context.set_offline(False)
+    visit.goto(f"{web[0]}docs/gallery.html")
+    visit.context.set_offline(True)
+    visit.goto(f"{web[0]}docs/gallery.html")
+    assert visit.title() == "examples"
+    assert visit.faults == []
+
+
 COLUMNS = """async ([address, scenario, options]) => {
   const { simulate } = await import(address);
   const run = await simulate({ scenario, ...options });

@@ -40,7 +40,8 @@ self.addEventListener("fetch", (event) => {
       return response;
     } catch (error) {
       if (kept) return kept;
-      throw error;
+      if (request.mode !== "navigate") throw error;
+      return Response.redirect("./#not-stored"); // the toy, which says so
     }
   })());
 });

@@ -27,6 +27,8 @@ const NEED_PROGRAM = ["measure", "analyse"];
 const REPORT = "report/index.html";
 const THEMES = ["auto", "light", "dark"];
 const THEME = "latolato.theme";
+// Where the toy opens in place of a page that `offline.js` has not stored.
+const NOT_STORED = "#not-stored";
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms
 
@@ -215,6 +217,10 @@ if (linkParts && isReadable(location.search, registry.format)) {
 } else if (linkParts) {
   page.messages.show("link", t("newerAddress"), { stays: true });
   store.amend(parse(""), "preset");
+}
+if (location.hash === NOT_STORED) {
+  page.messages.show("link", t("pageNotStored"), { stays: true });
+  store.amend({}); // without that mark in the address
 }
 /** @type {HTMLElement} */ (document.querySelector(".skip")).textContent = t("skip");
 startTheme();
