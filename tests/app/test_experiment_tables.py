@@ -1,6 +1,7 @@
 """Experiment in a real browser: from a dropped table to a decay, mended by clicks where needed."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -263,3 +264,6 @@ def test_a_table_is_shown_in_another_language(page, angle, tmp_path):
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
     used(page, texts["sheetUse"])
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+    finding = page.locator(".finding").inner_text()
+    assert re.match(r"Bandul berayun \d,\d+\s±\s0,\d+ kali per sekon dan kehilangan", finding)
+    assert page.locator("[data-fit=decay] h2").inner_text() == "Peluruhan"

@@ -1,11 +1,11 @@
-"""What a tracked video shows in one sentence, with the numbers of its fits."""
+"""What a tracked video shows in sentences, with the numbers of its fits."""
 
 import math
 
 import numpy as np
 import pytest
 
-from latolato.app.experiment.finding import answer_of, finding_of
+from latolato.app.experiment.finding import FINDINGS, answer_of, finding_of
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.track_table import track_table
 from track_tables import decay_table
@@ -25,6 +25,18 @@ TRIAL = {
 ERROR = {"error": "the pivot is at rest"}
 
 
+def text_of(sentence):
+    """A sentence in English; those that stand in its gaps are sentences too."""
+    if isinstance(sentence, str):
+        return sentence
+    values = {name: text_of(each) for name, each in sentence["values"].items()}
+    return FINDINGS[sentence["name"]].rule.format(**values)
+
+
+def told_of(*given):
+    return " ".join(map(text_of, finding_of(*given)))
+
+
 def table(duration=6.0, balls=1, flag="ok", angle=0.6):
     """A swing of 1.2 s as a tracker sees it, with one flag for all frames."""
     one = decay_table(length=0.363, mass=0.1, duration=duration, angle=angle)
@@ -38,7 +50,7 @@ def table(duration=6.0, balls=1, flag="ok", angle=0.6):
 
 
 def test_a_free_swing_says_how_often_and_how_fast_it_fades():
-    told = finding_of(table(), {"drive": ERROR, "decay": DECAY}, None)
+    told = told_of(table(), {"drive": ERROR, "decay": DECAY}, None)
     assert told.startswith(
         "It swings 1.421 ± 0.003 times a second and loses half of its swing every 38.1 ± 0.4 s. "
     )
@@ -47,7 +59,7 @@ def test_a_free_swing_says_how_often_and_how_fast_it_fades():
 
 def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
     values = {"natural_frequency": value(8.928, 0.019), "decay_rate": value(-1e-4, 2e-4)}
-    told = finding_of(table(), {"decay": {"values": values}}, None)
+    told = told_of(table(), {"decay": {"values": values}}, None)
     assert "no decay of its swing was found: film for longer." in told
     assert "every" not in told
 
@@ -56,13 +68,16 @@ def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
     "more, words",
     [
         ({}, "out to 62.0 ± 1.0°. The swing lasts and goes beyond 45°."),
-        ({"class": "strong", "borderline": True}, "beyond 90°: strong motion, but only just."),
+        (
+            {"class": "strong", "borderline": True},
+            "beyond 90°: strong motion. The uncertainty of the angle reaches across that limit.",
+        ),
         ({"class": "none"}, "The swing ends below 45°."),
         ({"note": "not settled in the last part"}, "The motion has not settled in this video."),
     ],
 )
 def test_a_driven_swing_says_what_the_drive_is_and_how_far_it_goes(more, words):
-    told = finding_of(table(), {"drive": DRIVE, "decay": ERROR}, {**TRIAL, **more})
+    told = told_of(table(), {"drive": DRIVE, "decay": ERROR}, {**TRIAL, **more})
     assert told.startswith(
         "Shaken with an amplitude of 20.00 ± 0.10 mm, 2.403 ± 0.003 times a second, the ball swings"
     )
@@ -70,42 +85,42 @@ def test_a_driven_swing_says_what_the_drive_is_and_how_far_it_goes(more, words):
 
 
 def test_without_a_trial_the_largest_angle_is_told():
-    assert "out to about 34°" in finding_of(table(), {"drive": DRIVE}, None)
+    assert "out to ≈ 34°" in told_of(table(), {"drive": DRIVE}, None)
 
 
 @pytest.mark.parametrize(
     "flag, angle, fits, words",
     [
         ("ok", 0.6, {}, "The balls were not seen to touch."),
-        ("collision", 0.6, {}, "The balls touch below. The effect of a collision could not"),
+        ("collision", 0.6, {}, "The balls touch, but the effect of a collision could not"),
         ("collision", 0.6, {"restitution": RESTITUTION},
-         "The balls clack below: a collision keeps 0.90 ± 0.02 of their speed."),
-        ("collision", 2.5, {"restitution": RESTITUTION}, "The balls clack below and above:"),
+         "The balls clack: a collision keeps 0.90 ± 0.02 of their speed. They meet below."),
+        ("collision", 2.5, {"restitution": RESTITUTION}, "They meet below and above."),
     ],
 )  # fmt: skip
 def test_two_balls_say_what_their_collisions_do(flag, angle, fits, words):
-    told = finding_of(table(balls=2, flag=flag, angle=angle), {"drive": DRIVE, **fits}, TRIAL)
+    told = told_of(table(balls=2, flag=flag, angle=angle), {"drive": DRIVE, **fits}, TRIAL)
     assert "the balls swing out to 62.0 ± 1.0°." in told
     assert words in told
 
 
 def test_without_a_fit_tracking_gives_the_period():
     period = 2.0 * np.pi * np.sqrt(0.363 / 9.8)
-    told = finding_of(table(duration=9.0, angle=0.05), {"drive": ERROR, "decay": ERROR}, None)
+    told = told_of(table(duration=9.0, angle=0.05), {"drive": ERROR, "decay": ERROR}, None)
     assert told.startswith("One swing takes ")
     number, sigma = told.removeprefix("One swing takes ").removesuffix(" s.").split(" ± ")
     assert abs(float(number) - period) < 4.0 * float(sigma) + 2e-3
 
 
 def test_where_nothing_was_found_it_says_what_to_do():
-    told = finding_of(table(duration=0.8), {"drive": ERROR, "decay": ERROR}, None)
+    told = told_of(table(duration=0.8), {"drive": ERROR, "decay": ERROR}, None)
     assert told.startswith(
         "No swing was found. At least three swings must be seen: film for longer"
     )
 
 
 def test_a_ball_that_was_hardly_seen_is_not_trusted():
-    told = finding_of(table(flag="lost"), {"decay": DECAY}, None)
+    told = told_of(table(flag="lost"), {"decay": DECAY}, None)
     assert "Only 0 % of the samples were seen: do not trust the numbers" in told
 
 

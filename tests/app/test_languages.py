@@ -20,8 +20,11 @@ from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
+from latolato.app.experiment.description import fit_kinds
+from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
 from latolato.core.rules import RULES
+from latolato.experiment.fits.result import quantity_of
 from latolato.physics.problems import PROBLEMS
 
 NODE = Path(sys.executable).parent / "node"
@@ -109,6 +112,13 @@ def texts_of_analyses() -> Iterator[str]:
         yield label_of(name, axis["unit"])
 
 
+def texts_of_fits() -> Iterator[str]:
+    """Yield what Measure calls its fits and the numbers that it shows first."""
+    for kind in fit_kinds():
+        yield from (kind["title"], kind["hint"])
+        yield from (quantity_of(name).long_name for name in kind["headline"])
+
+
 def texts_of_stories(part: Any) -> Iterator[str]:
     """Yield what a story, or a part of one, says."""
     parts = part.items() if isinstance(part, dict) else enumerate(part)
@@ -124,9 +134,10 @@ def sentences_of_rules() -> dict[str, dict[str, str]]:
     problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
     assert not (problems.keys() | OF_ANALYSES.keys()) & RULES.keys()
     assert not problems.keys() & OF_ANALYSES.keys()
+    assert not FINDINGS.keys() & (RULES.keys() | OF_ANALYSES.keys() | problems.keys())
     return {
         name: {part: text for part, text in zip(("rule", "way_out"), texts, strict=True) if text}
-        for name, texts in {**RULES, **OF_ANALYSES, **problems}.items()
+        for name, texts in {**RULES, **OF_ANALYSES, **FINDINGS, **problems}.items()
         if any(texts)
     }
 
@@ -142,6 +153,7 @@ def needed_texts() -> list[str]:
     texts = [
         *texts_of_registry(),
         *texts_of_analyses(),
+        *texts_of_fits(),
         *texts_of_stories(stories),
         *WORDS,
     ]

@@ -138,7 +138,7 @@ def test_a_table_with_a_driven_pivot_is_a_trial(tmp_path):
     result = done("import", job, description)
     assert result["no_trial"] is None
     assert result["trial"]["drive_amplitude"] == pytest.approx(0.02, rel=0.01)
-    assert result["finding"].startswith("Shaken with an amplitude of")
+    assert result["finding"][0]["name"] == "ball_is_shaken"
     assert result["code"][1].splitlines()[-1] == "latolato fit drive driven.track.csv"
 
 
@@ -151,7 +151,7 @@ def test_a_doubted_fit_is_told_before_anything_else(angle, tmp_path):
     decay = result["fits"]["decay"]
     assert "values" not in decay
     assert decay["doubt"]
-    assert result["finding"].startswith(decay["doubt"])
+    assert result["finding"][0] == decay["doubt"]
     assert "decay" not in result["code"][1]
 
 

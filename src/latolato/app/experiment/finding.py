@@ -1,4 +1,4 @@
-"""What a video or a table shows: numbers, a sentence, and what to do where something is missing."""
+"""What a video or a table shows: numbers, sentences, and what to do where something is missing."""
 
 from __future__ import annotations
 
@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.experiment.sentences import degrees, percent, plus_minus
+from latolato.core.rules import Rule
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
@@ -19,6 +20,49 @@ if TYPE_CHECKING:
 
     from latolato.experiment.fits.apparatus import Apparatus
 
+# A sentence of `FINDINGS`, in the form of those of `InputError.parts`, or the doubt of a fit.
+Sentence = dict[str, Any] | str
+# The sentences; pages translate them by their names, as those of rules.
+FINDINGS = {
+    "swing_fades": Rule(
+        "It swings {rate} times a second and loses half of its swing every {half} s."
+    ),
+    "swing_grows": Rule("It swings {rate} times a second, and its swing grows by {growth} 1/s."),
+    "swing_lasts": Rule(
+        "It swings {rate} times a second; no decay of its swing was found: film for longer."
+    ),
+    "pivot_at_rest": Rule("The pivot is at rest. Larger swings are a little slower."),
+    "one_swing": Rule("One swing takes {period} s."),
+    "no_swing": Rule(
+        "No swing was found. At least three swings must be seen: film for longer, or correct the "
+        "set-up."
+    ),
+    "ball_is_shaken": Rule(
+        "Shaken with an amplitude of {amplitude} mm, {rates}, the ball swings out to {angle}."
+    ),
+    "balls_are_shaken": Rule(
+        "Shaken with an amplitude of {amplitude} mm, {rates}, the balls swing out to {angle}."
+    ),
+    "one_rate": Rule("{rate} times a second"),
+    "two_rates": Rule("{rate} times a second and later {later} times"),
+    "not_settled": Rule("The motion has not settled in this video."),
+    "motion_none": Rule("The swing ends below 45°."),
+    "motion_weak": Rule("The swing lasts and goes beyond 45°."),
+    "motion_strong": Rule("That is beyond 90°: strong motion."),
+    "borderline": Rule("The uncertainty of the angle reaches across that limit."),
+    "no_touch": Rule("The balls were not seen to touch."),
+    "touch": Rule(
+        "The balls touch, but the effect of a collision could not be measured: film at a higher "
+        "frame rate."
+    ),
+    "clack": Rule("The balls clack: a collision keeps {kept} of their speed."),
+    "met_below": Rule("They meet below."),
+    "met_above": Rule("They meet above."),
+    "met_twice": Rule("They meet below and above."),
+    "hardly_seen": Rule(
+        "Only {share} of the samples were seen: do not trust the numbers, and correct the set-up."
+    ),
+}
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
 # Standard deviations from which a decay or a growth is seen.
@@ -29,8 +73,8 @@ _RULER = 1e-3
 
 def finding_of(
     table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]], trial: Mapping[str, Any] | None
-) -> str:
-    """The finding of a video or a table in words; the first sentence is the answer or a doubt.
+) -> list[Sentence]:
+    """The finding of a video or a table in sentences; the first is the answer or a doubt.
 
     Parameters
     ----------
@@ -45,23 +89,26 @@ def finding_of(
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
     )
     doubt = _doubt(table, cards)
+    sentences: list[Sentence]
     if drive:
-        sentences = [_driven(table, drive, trial)]
+        sentences = _driven(table, drive, trial)
     elif doubt:
         sentences = [doubt, _plain(table)]
     elif decay:
-        sentences = [_free(decay), "The pivot is at rest. Larger swings are a little slower."]
+        sentences = [_free(decay), _sentence("pivot_at_rest")]
     else:
         sentences = [_plain(table)]
     if balls_of(table) == 2:
-        sentences.append(_collisions(table, restitution))
+        sentences += _collisions(table, restitution)
     seen = sum(flag_shares(table).get(flag, 0.0) for flag in MEASURED)
     if seen < _SEEN:
-        sentences.append(
-            f"Only {percent(seen)} of the samples were seen: do not trust the numbers, and correct "
-            "the set-up."
-        )
-    return " ".join(filter(None, sentences))
+        sentences.append(_sentence("hardly_seen", share=percent(seen)))
+    return sentences
+
+
+def _sentence(name: str, **values: Any) -> dict[str, Any]:
+    """Return one of `FINDINGS` with what stands in its gaps."""
+    return {"name": name, "part": "rule", "text": FINDINGS[name].rule, "values": values}
 
 
 def _doubt(table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]]) -> str:
@@ -189,37 +236,41 @@ def _half_life(decay: Mapping[str, Any]) -> tuple[float, float] | None:
     return half, half * (rate["sigma"] or 0.0) / rate["value"]
 
 
-def _driven(table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any] | None) -> str:
+def _driven(
+    table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any] | None
+) -> list[Sentence]:
     """Return how the pivot moves, and how far the balls swing."""
-    text = f"Shaken with an amplitude of {_text(drive['drive_amplitude'], 1e3)} mm, "
-    text += f"{_text(drive['drive_frequency'], 1.0 / math.tau)} times a second"
+    rates = _sentence("one_rate", rate=_text(drive["drive_frequency"], 1.0 / math.tau))
     if "drive_frequency_final" in drive:
-        text += f" and later {_text(drive['drive_frequency_final'], 1.0 / math.tau)} times"
-    text += ", the balls swing" if balls_of(table) == 2 else ", the ball swings"
+        later = _text(drive["drive_frequency_final"], 1.0 / math.tau)
+        rates = _sentence("two_rates", **rates["values"], later=later)
     if trial is None:
-        return f"{text} out to about {degrees(float(np.nanmax(np.abs(table['angle_1']))))}."
-    size, sigma = (math.degrees(trial[n]) for n in ("largest_angle", "largest_angle_sigma"))
-    text += f" out to {plus_minus(size, sigma)}°."
+        angle = f"≈ {degrees(float(np.nanmax(np.abs(table['angle_1']))))}"
+    else:
+        size, sigma = (math.degrees(trial[n]) for n in ("largest_angle", "largest_angle_sigma"))
+        angle = f"{plus_minus(size, sigma)}°"
+    shaken = _sentence(
+        "balls_are_shaken" if balls_of(table) == 2 else "ball_is_shaken",
+        amplitude=_text(drive["drive_amplitude"], 1e3), rates=rates, angle=angle,
+    )  # fmt: skip
+    if trial is None:
+        return [shaken]
     if "not settled" in trial["note"]:
-        return f"{text} The motion has not settled in this video."
-    words = {
-        "none": "The swing ends below 45°",
-        "weak": "The swing lasts and goes beyond 45°",
-        "strong": "That is beyond 90°: strong motion",
-    }
-    return f"{text} {words[trial['class']]}{', but only just' if trial['borderline'] else ''}."
+        return [shaken, _sentence("not_settled")]
+    close = [_sentence("borderline")] if trial["borderline"] else []
+    return [shaken, _sentence(f"motion_{trial['class']}"), *close]
 
 
-def _free(decay: Mapping[str, Any]) -> str:
+def _free(decay: Mapping[str, Any]) -> Sentence:
     """Return how often a free pendulum swings, and how fast its swing fades."""
-    text = f"It swings {_text(decay['natural_frequency'], 1.0 / math.tau)} times a second"
+    swings = _text(decay["natural_frequency"], 1.0 / math.tau)
     half = _half_life(decay)
     rate, sigma = _value(decay.get("decay_rate") or decay["decay_rate_envelope"])
     if rate < -_SURE * sigma:
-        return f"{text}, and its swing grows by {plus_minus(-rate, sigma)} 1/s."
+        return _sentence("swing_grows", rate=swings, growth=plus_minus(-rate, sigma))
     if half is None:
-        return f"{text}; no decay of its swing was found: film for longer."
-    return f"{text} and loses half of its swing every {plus_minus(*half)} s."
+        return _sentence("swing_lasts", rate=swings)
+    return _sentence("swing_fades", rate=swings, half=plus_minus(*half))
 
 
 def _period(table: xr.Dataset) -> tuple[float, float]:
@@ -227,33 +278,27 @@ def _period(table: xr.Dataset) -> tuple[float, float]:
     return period_of_ball(table, 1)
 
 
-def _plain(table: xr.Dataset) -> str:
+def _plain(table: xr.Dataset) -> Sentence:
     """A sentence with the period of the swing [s], or with advice if no swing was found."""
     period, sigma = _period(table)
     if not math.isfinite(period):
-        return (
-            "No swing was found. At least three swings must be seen: film for longer, or correct "
-            "the set-up."
-        )
-    return f"One swing takes {plus_minus(period, sigma)} s."
+        return _sentence("no_swing")
+    return _sentence("one_swing", period=plus_minus(period, sigma))
 
 
-def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> str:
-    """A sentence about where the balls collide and how much speed they keep."""
+def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> list[Sentence]:
+    """Sentences about how much speed the balls keep when they collide, and where that is."""
     touching = table["flag_1"].values == "collision"
     if not restitution and not touching.any():
-        return "The balls were not seen to touch."
+        return [_sentence("no_touch")]
+    kept = _text(restitution["restitution"]) if restitution else ""
+    effect = _sentence("clack", kept=kept) if restitution else _sentence("touch")
     angles = np.abs(table["angle_1"].values[touching]) if "angle_1" in table else np.empty(0)
-    quarter = 0.5 * math.pi
-    sides = {"below": (angles < quarter).any(), "above": (angles >= quarter).any()}
-    where = " and".join(f" {side}" for side, is_there in sides.items() if is_there)
-    if not restitution:
-        return (
-            f"The balls touch{where}. The effect of a collision could not be measured: film at a "
-            "higher frame rate."
-        )
-    kept = _text(restitution["restitution"])
-    return f"The balls clack{where}: a collision keeps {kept} of their speed."
+    if not angles.size:
+        return [effect]
+    is_above = angles >= 0.5 * math.pi
+    place = "met_above" if is_above.all() else "met_twice" if is_above.any() else "met_below"
+    return [effect, _sentence(place)]
 
 
 def _value(value: Mapping[str, Any], factor: float = 1.0) -> tuple[float, float]:

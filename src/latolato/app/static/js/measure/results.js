@@ -2,7 +2,7 @@
 
 import { el } from "../page/dom.js";
 import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../page/unit_text.js";
-import { ENGLISH, local, t } from "../strings.js";
+import { ENGLISH, local, t, tr } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} FitValue */
@@ -26,9 +26,9 @@ export function fitCard(fit, kind, truth, registry, play, again) {
   const main = first.filter((name) => name in values);
   const rest = Object.keys(values).filter((name) => !main.includes(name));
   const table = (/** @type {string[]} */ names) =>
-    fitTable(kind.title, names, values, truth, registry);
+    fitTable(tr(kind.title), names, values, truth, registry);
   return el("section", { class: "card fit", "data-fit": fit.kind },
-    el("h2", { lang: ENGLISH }, kind.title), table(main),
+    el("h2", {}, tr(kind.title)), table(main),
     el("p", { class: "hint", lang: ENGLISH }, fit.verdict ?? ""),
     rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
       table(rest)),
@@ -42,8 +42,8 @@ export function fitCard(fit, kind, truth, registry, play, again) {
  * @param {Node} button
  */
 export function waitingCard(kind, button) {
-  return el("section", { class: "card" }, el("h2", { lang: ENGLISH }, kind.title),
-    el("p", { class: "hint", lang: ENGLISH }, kind.hint), el("div", { class: "actions" }, button));
+  return el("section", { class: "card" }, el("h2", {}, tr(kind.title)),
+    el("p", { class: "hint" }, tr(kind.hint)), el("div", { class: "actions" }, button));
 }
 
 /**
@@ -53,8 +53,8 @@ export function waitingCard(kind, button) {
  */
 export function refusedCard(fits, kinds) {
   return el("section", { class: "card" }, el("h2", {}, t("notHere")),
-    ...fits.map((fit) => el("p", { class: "hint", lang: ENGLISH },
-      el("strong", {}, kinds[fit.kind].title), ": ", fit.error)));
+    ...fits.map((fit) => el("p", { class: "hint" },
+      el("strong", {}, tr(kinds[fit.kind].title)), ": ", el("span", { lang: ENGLISH }, fit.error))));
 }
 
 /**
@@ -77,7 +77,7 @@ function fitTable(title, names, values, truth, registry) {
       const unitText = shownUnit(unit.name);
       const off = name in truth ? value / truth[name] - 1 : NaN;
       return el("tr", { "data-name": name, "data-value": String(value) },
-        el("td", {}, `${label} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
+        el("td", {}, `${tr(label)} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
           (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
           ` ${unitText}`, el("small", {},

@@ -21,7 +21,7 @@ import { Track } from "./track.js";
  *   corrections: {frame: number, ball: number, u: number, v: number}[],
  *   places: Record<string, HandlePlace>, proposed: Record<string, HandlePlace>, radius: number,
  *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
- *   track: Track | null, finding: string,
+ *   track: Track | null, finding: (string | import("../model/rules.js").Sentence)[],
  *   answer: {name: string, value: number, sigma: number, units: string,
  *     given?: Record<string, number>}[],
  *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
@@ -71,7 +71,7 @@ export class Session {
       corrections: [], places: {},
       proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
       isProposed: true, truth: {},
-      track: null, finding: "", answer: [], fits: {},
+      track: null, finding: [], answer: [], fits: {},
       warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
       mode: "setup",
       cancel: () => {}, files: new Set(), tracked: 0 };

@@ -6,8 +6,9 @@ import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
 import { textOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
+import { sentenceInLanguage } from "../page/refusals.js";
 import { short } from "../page/unit_text.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
@@ -136,7 +137,8 @@ export class MeasureView {
     this.notes.textContent = [...(isGone ? [t("offline")] : []),
       ...warnings.map((text) => t("warning", { text }))].join(" ");
     const isAnswer = clip?.mode === "result";
-    const text = isAnswer ? clip.finding : t(clip?.sheet ? "sheetFinding" : "findingHere");
+    const text = isAnswer ? clip.finding.map(sentenceInLanguage).join(" ")
+      : t(clip?.sheet ? "sheetFinding" : "findingHere");
     refresh(this.numbers, [clip?.id, clip?.tracked, isAnswer],
       () => (isAnswer && clip.answer.length > 0 ? [answerNumbers(clip.answer)] : []));
     this.finding.hidden = !clip || !isSeen(clip);
@@ -246,7 +248,7 @@ export class MeasureView {
     const waiting = Object.values(this.kinds).filter((kind) =>
       kind.is_slow && kind.fewest_balls <= balls && !clip.fits[kind.kind]);
     cards.push(...waiting.map((kind) => waitingCard(kind,
-      button(kind.kind, t("fitOnce", { name: kind.title.toLowerCase() })))));
+      button(kind.kind, t("fitOnce", { name: tr(kind.title).toLowerCase() })))));
     const refused = fits.filter((fit) => fit.error);
     if (refused.length) cards.push(refusedCard(refused, this.kinds));
     this.cards.replaceChildren(...cards);

@@ -1,6 +1,5 @@
 /** An answer in words: its first sentence is a headline. */
 
-import { ENGLISH } from "../strings.js";
 import { el } from "./dom.js";
 
 /** Return an empty place for an answer, which screen readers read when it comes. */
@@ -16,9 +15,6 @@ export function findingPlace() {
  */
 export function showFinding(place, text, isAnswer) {
   place.classList.toggle("waiting", !isAnswer);
-  // Answers are written by Python, in English.
-  if (isAnswer) place.lang = ENGLISH;
-  else place.removeAttribute("lang");
   // A number stays in one line with its uncertainty.
   const whole = text.replaceAll(" ± ", "\u00a0±\u00a0");
   const end = whole.search(/(?<=[.!?]) (?=\p{Lu})/u);
