@@ -687,3 +687,14 @@ def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
     finally:
         context.close()
         stop_server(server)
+
+
+def test_on_a_phone_what_a_file_is_stands_beside_its_button(page):
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.goto("/?view=map&map.scenario=fig05&map.size=4")
+    page.get_by_text("Download", exact=True).click()
+    entries = page.locator(".downloads li").all()
+    assert len(entries) == 5
+    for entry in entries:
+        button, hint = (entry.locator(each).bounding_box() for each in ("button", "span"))
+        assert hint["x"] >= button["x"] + button["width"]
