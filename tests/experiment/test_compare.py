@@ -11,6 +11,7 @@ from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
 from latolato.experiment.comparison.response import peak_of
+from latolato.experiment.fits.motion import motion_at
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_statistics import cohen_kappa
 from latolato.experiment.trial_table import trial_table, write_trials
@@ -72,6 +73,17 @@ def test_a_motion_is_followed_with_residuals_of_the_noise_and_no_phase(table):
     assert "for all" in result.attrs["verdict"]
     pulls = result.angle_residual / np.hypot(1e-3, result.angle_computed_sigma)
     assert float(np.mean(np.abs(pulls) < 3.0)) > 0.97
+
+
+def test_a_motion_that_cannot_be_computed_to_the_end_is_refused(table, monkeypatch):
+    def until_ten_seconds(*arguments, **options):
+        angles, velocities, slopes = motion_at(*arguments, **options)
+        late = arguments[3] > 10.0
+        return np.where(late, np.nan, angles), np.where(late, np.nan, velocities), slopes
+
+    monkeypatch.setattr("latolato.experiment.fits.windows.motion_at", until_ten_seconds)
+    with pytest.raises(InputError, match="does not reach the end of the record"):
+        ll.compare(table, SINGLE, drive=DRIVE)
 
 
 def test_a_wrong_length_shows_in_residual_and_phase(table):

@@ -121,9 +121,9 @@ def compare_motion(
     model = motion(system, early)
     solution = solve(model, model.guesses(), early, jacobian=model.jacobian)
     whole = motion(system, data)
-    computed = whole(solution.values)
-    if not np.isfinite(computed).all():
+    if np.isnan(whole.motion(solution.values)).any():
         raise InputError("the computed motion does not reach the end of the record")
+    computed = whole(solution.values)
     computed_sigma = _computed_sigma(system, widths, solution, motion, data, count, seed)
     residual = data.values - computed
     period = _period(moving.drive, system)
@@ -242,9 +242,9 @@ def _computed_sigma(
     differences = []
     for k, start in enumerate(starts.tolist(), start=1):
         law = replace(system, **{name: float(values[k]) for name, values in varied.items()})
-        trial = motion(law, data)(dict(zip(solution.names, start, strict=True)))
-        if np.isfinite(trial).all():
-            differences.append(trial - middle)
+        trial, begun = motion(law, data), dict(zip(solution.names, start, strict=True))
+        if not np.isnan(trial.motion(begun)).any():
+            differences.append(trial(begun) - middle)
     if not differences:
         return np.zeros(len(data))
     return np.asarray(np.sqrt(np.mean(np.square(differences), axis=0)))

@@ -107,7 +107,15 @@ class WindowedModel:
 
     def __call__(self, p: Mapping[str, float]) -> Floats:
         """Return the angles at the samples as they are seen [rad]."""
-        return self._seen(self._moved(p), p)
+        return self._seen(self.motion(p), p)
+
+    def motion(self, p: Mapping[str, float]) -> Floats:
+        """Return the true angles at the samples [rad], NaN where the motion fails."""
+        system, drives = self._laws(p)
+        out, slopes = np.empty(len(self.data)), np.empty((len(self.data), 0))
+        for k in range(len(self.windows)):
+            self._run(out, slopes, system, drives[k], p, k, np.empty(0, dtype=np.int64), [])
+        return out
 
     def jacobian(self, p: Mapping[str, float], names: Sequence[str]) -> Floats:
         """Return the derivatives of the angles, shape (sample, name); see `with_slopes`."""
@@ -148,7 +156,7 @@ class WindowedModel:
         for i, name in enumerate(names):
             moved, change = self._moved_by_a_little(p, name)
             if np.isnan(slopes[:, i]).any():
-                matrix[:, i] = (self._seen(self._moved(moved), moved) - middle) / change
+                matrix[:, i] = (self._seen(self.motion(moved), moved) - middle) / change
             elif name not in self._window_of:
                 matrix[:, i] += (self._seen(motion, moved) - middle) / change
         return middle, matrix
@@ -231,11 +239,9 @@ class WindowedModel:
             angles, _, derivatives = motion_at(
                 system, drive, begun, window.times, chosen, step=self.step
             )
-            # A trial too wild to be followed to the end is a bad fit, not an error.
-            wild = ~np.isfinite(angles)
-            out[window.places] = np.where(wild, _WILD, angles)[window.inside]
+            out[window.places] = angles[window.inside]
             if len(some):
-                found = np.where(wild, 0.0, derivatives)[:, *window.inside]
+                found = np.where(np.isfinite(angles), derivatives, 0.0)[:, *window.inside]
                 slopes[np.ix_(window.places, some)] = found.T
 
     def _begun(self, system: System, p: Mapping[str, float], k: int) -> Start:
@@ -244,16 +250,10 @@ class WindowedModel:
         angles = _within_walls(system, np.array([p[angle] for angle, _ in names]))
         return Start(tuple(angles.tolist()), tuple(p[velocity] for _, velocity in names))
 
-    def _moved(self, p: Mapping[str, float]) -> Floats:
-        """Return the true angles at the samples [rad]."""
-        system, drives = self._laws(p)
-        out, slopes = np.empty(len(self.data)), np.empty((len(self.data), 0))
-        for k in range(len(self.windows)):
-            self._run(out, slopes, system, drives[k], p, k, np.empty(0, dtype=np.int64), [])
-        return out
-
     def _seen(self, angles: Floats, p: Mapping[str, float]) -> Floats:
         """Return the angles at the samples as they are seen about the table's pivot [rad]."""
+        # A trial too wild to be followed to the end is a bad fit, not an error.
+        angles = np.where(np.isfinite(angles), angles, _WILD)
         if self.angles == 1:
             return self._sight.seen(angles, p)
         lengths = np.array([ball.length for ball in self.laws(p)[0].balls])
