@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,8 +19,16 @@ from latolato.experiment.synthetic.wall import make_wall
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
-# Length of the hand's arm in palm radii.
-_ARM = 60.0
+# Length of the hand's arm and how far the fingers reach from the palm's middle, in its radii.
+_ARM, _FINGERS = 60.0, 2.3
+
+# Half the height of the post [m].
+_ENDLESS = 1e3
+
+# First column and row of a part of the picture, and those after its last.
+Box = tuple[int, int, int, int]
+# Gives how much something hides at undistorted points, and its linear colour there.
+Front = Callable[[Any, Any], tuple[Any, Any]]
 
 
 class Projection:
@@ -185,15 +194,16 @@ class Renderer:
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
         hidden = np.zeros(int(inside.sum()))
-        for alpha, _ in self._front(u + radius * du[inside], v + radius * dv[inside], hand_x):
-            hidden = np.maximum(hidden, alpha)
+        places = u + radius * du[inside], v + radius * dv[inside]
+        if self.scene.post_width > 0.0:
+            hidden = np.maximum(hidden, self._post(*places)[0])
+        if hand_x is not None:
+            hidden = np.maximum(hidden, self._hand(*places, hand_x)[0])
         return float(hidden.mean())
 
-    def _box(self, states: Floats, hand_x: float | None) -> tuple[int, int, int, int]:
-        """Return first and last column and row of what differs from the background."""
-        camera, projection, look = self.camera, self.projection, self.look
-        if hand_x is not None:
-            return 0, 0, camera.width, camera.height
+    def _box(self, states: Floats, hand_x: float | None) -> Box:
+        """Return the part of the picture that differs from the background."""
+        look = self.look
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
         margin = max(*look.radii, look.rod, look.bolt)
         margin = max(margin, math.hypot(look.block_u, look.block_v)) + 2.0
@@ -203,7 +213,41 @@ class Renderer:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
+        box = self._box_of(low, high)
+        if hand_x is None:
+            return box
+        (u0, v0, u1, v1), hand = box, self._hand_box(hand_x)
+        return min(u0, hand[0]), min(v0, hand[1]), max(u1, hand[2]), max(v1, hand[3])
+
+    def _hand_box(self, hand_x: float) -> Box:
+        """Return the part of the picture that holds the hand with its arm."""
+        size, middle = self.scene.hand_radius, -self.scene.hand_depth * self.length
+        return self._scene_box(
+            (hand_x - size, hand_x + size),
+            (middle - (_ARM + 1.0) * size, middle + _FINGERS * size),
+        )
+
+    def _post_box(self) -> Box:
+        """Return the part of the picture that holds the post, which has no ends."""
+        half, post_x = 0.5 * self.scene.post_width, self.scene.post_x
+        return self._scene_box((post_x - half, post_x + half), (-_ENDLESS, _ENDLESS))
+
+    def _scene_box(self, xs: tuple[float, float], ys: tuple[float, float]) -> Box:
+        """Return the part of the picture that holds a rectangle of the scene [m]."""
+        projection = self.projection
+        x, y = np.meshgrid(projection.scale * np.array(xs), projection.scale * np.array(ys))
+        u = projection.origin[0] + projection.cosine * x - projection.sine * y
+        v = projection.origin[1] - projection.sine * x - projection.cosine * y
+        low, high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
+        return self._box_of(low - 1.0, high + 1.0)
+
+    def _box_of(self, low: Floats, high: Floats) -> Box:
+        """Return the part of the picture of undistorted places, with what its blur reaches."""
+        camera, projection = self.camera, self.projection
         if camera.has_lens:
+            # Places beyond those of the picture's edges may be folded back into it.
+            first, last = np.array([(each.min(), each.max()) for each in self._maps]).T
+            low, high = np.clip(low, first, last), np.clip(high, first, last)
             edge = np.linspace(0.0, 1.0, 33)
             us, vs = np.meshgrid(
                 low[0] + edge * (high[0] - low[0]), low[1] + edge * (high[1] - low[1])
@@ -266,26 +310,21 @@ class Renderer:
         paint(total, (0, 0), wall, states, 0, self._maps, look, self.colours)
         wall += total
 
-    def _front(self, u: Any, v: Any, hand_x: float | None) -> Iterator[tuple[Any, Any]]:
-        """Yield how much the post and then the hand hide at undistorted points, and their colours.
-
-        The colours are linear, shape (..., 3).
-        """
+    def _post(self, u: Any, v: Any) -> tuple[Any, Any]:
+        """Return how much the post hides at undistorted points, and its linear colour (..., 3)."""
         scene, scale = self.scene, self.projection.scale
-        if scene.post_width > 0.0:
-            x = self._scene_places(u, v)[0] - scene.post_x * scale
-            half = 0.5 * scene.post_width * scale
-            round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
-            colour = linear_colour("post_colour", scene.post_colour)
-            yield (
-                np.clip(0.5 + half - np.abs(x), 0.0, 1.0),
-                (0.55 + 0.45 * round_)[..., None] * np.array(colour),
-            )
-        if hand_x is not None:
-            gap, size = self._hand_gap(u, v, hand_x), scene.hand_radius * scale
-            shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
-            colour = linear_colour("hand_colour", scene.hand_colour)
-            yield np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * np.array(colour)
+        x = self._scene_places(u, v)[0] - scene.post_x * scale
+        half = 0.5 * scene.post_width * scale
+        round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
+        colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
+        return np.clip(0.5 + half - np.abs(x), 0.0, 1.0), (0.55 + 0.45 * round_)[..., None] * colour
+
+    def _hand(self, u: Any, v: Any, hand_x: float) -> tuple[Any, Any]:
+        """Return how much the hand hides at undistorted points, and its linear colour (..., 3)."""
+        gap, size = self._hand_gap(u, v, hand_x), self.scene.hand_radius * self.projection.scale
+        shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
+        colour = np.array(linear_colour("hand_colour", self.scene.hand_colour), np.float32)
+        return np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * colour
 
     def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
         """Return the signed distance [pixel] from a palm, four fingers and an arm."""
@@ -301,9 +340,19 @@ class Renderer:
 
     def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
         """Return a part of the picture with post and hand in front."""
-        for alpha, colour in self._front(*self._places(part.shape[:2], u0, v0), hand_x):
-            part = part + alpha[..., None] * (colour - part)
-        return np.asarray(part, np.float32)
+        part = part.copy()
+        if self.scene.post_width > 0.0:
+            self._cover(part, u0, v0, self._post_box(), self._post)
+        if hand_x is not None:
+            self._cover(part, u0, v0, self._hand_box(hand_x), partial(self._hand, hand_x=hand_x))
+        return part
+
+    def _cover(self, part: Image, u0: int, v0: int, box: Box, front: Front) -> None:
+        """Put something that is within a box in front of a part of the picture."""
+        first_u, first_v = max(box[0], u0), max(box[1], v0)
+        near = part[first_v - v0 : max(box[3] - v0, 0), first_u - u0 : max(box[2] - u0, 0)]
+        alpha, colour = front(*self._places(near.shape[:2], first_u, first_v))
+        near += alpha[..., None] * (colour - near)
 
     def _blurred(self, image: Image) -> Image:
         """Return an image blurred by the optics; its edges are continued."""
