@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from clip_pages import one_line, opened
+from latolato.app.blocks import unpack
 from latolato.app.experiment.work import WORK
 from latolato.cli.main import app
 from latolato.experiment.track_table import read_table, track_table, write_table
@@ -106,6 +107,15 @@ def test_a_track_table_of_this_package_keeps_its_flags(angle, tmp_path):
     result = done("import", job, {})
     assert "read_table('swing.track.csv')" in result["code"][0]
     assert read_table(tmp_path / "track.csv").flag_1.values.tolist() == flags.tolist()
+
+
+def test_a_page_knows_where_rows_of_a_table_are_missing(angle, tmp_path):
+    before = np.count_nonzero(TIME < 6.0)
+    for kept, gaps in (((TIME < 6.0) | (TIME >= 7.3), [before]), (TIME < 1e-9, [])):
+        job = job_of(tmp_path, text_of("t (s),theta (rad)", TIME[kept], angle[kept]), "gap.csv")
+        done("import", job, {"columns": {"time": "1", "angle_1": "2"}})
+        about, _ = unpack((tmp_path / "points.bin").read_bytes())
+        assert about["after_gaps"] == gaps
 
 
 def test_frame_numbers_and_runs_are_offered_as_they_are(angle, tmp_path):

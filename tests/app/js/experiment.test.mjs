@@ -17,8 +17,9 @@ test("a number is told to the second digit of its deviation", () => {
   assert.equal(withSigma(NaN, 1), "–");
 });
 
-const track = () => new Track({
+const track = (afterGaps = []) => new Track({
   about: { balls: 1, width: 100, height: 80, flags: ["ok", "collision", "occluded", "lost"],
+    after_gaps: afterGaps,
     attributes: { geometry: "metric", radius_pixels: 5 } },
   arrays: {
     time: Float64Array.from([1, 1.1, 1.2, 1.3]), media_time: Float64Array.from([0, 0.1, 0.2, 0.3]),
@@ -34,6 +35,13 @@ test("stretches of one flag are one shade, half a frame wider to both sides", ()
   assert.deepEqual(found, [["0.050", "0.250", "flag-occluded"], ["0.250", "0.350", "flag-lost"]]);
   assert.deepEqual(track().counts(), [{ flag: "ok", count: 1 }, { flag: "occluded", count: 2 },
     { flag: "lost", count: 1 }]);
+});
+
+test("no curve is drawn over a gap between samples, which is shaded", () => {
+  const [shade] = track([2]).shades();
+  assert.deepEqual([shade.from.toFixed(3), shade.to.toFixed(3), shade.paint], ["0.100", "0.200", "flag-lost"]);
+  const [{ values }] = track([2]).perBall(() => [1, 2, 3, NaN], 10);
+  assert.deepEqual(values, [10, 20, null, null]);
 });
 
 test("places are those of the frame", () => {

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 # Instants and angles of each ball that a page draws.
 Motion = list[tuple[Any, Any]]
-# Gaps between samples that a model's curve is drawn across [s], or so many usual steps.
+# Gaps between samples that curves are drawn across [s], or so many usual steps.
 _GAP, _STEPS = 0.15, 2.0
 # Draws of a comparison: its spread is not shown.
 _DRAWS = 1
@@ -195,9 +195,15 @@ def across(instants: Any, times: Any, values: Any) -> Any:
     between = np.interp(instants, times, values, left=np.nan, right=np.nan)
     after = np.clip(np.searchsorted(times, instants), 0, len(times) - 1)
     before = np.clip(after - 1, 0, len(times) - 1)
-    longest = max(_GAP, _STEPS * float(np.median(np.diff(times))))
+    longest = longest_step(times)
     between[(times[after] - times[before] > longest) & (times[after] != instants)] = np.nan
     return between
+
+
+def longest_step(times: Any) -> float:
+    """Return the longest step between samples that is no gap [s]."""
+    steps = np.diff(times)
+    return max(_GAP, _STEPS * float(np.median(steps))) if steps.size else _GAP
 
 
 def trial_row(

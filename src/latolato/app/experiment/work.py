@@ -17,7 +17,7 @@ from latolato.app.blocks import pack, unpack
 from latolato.app.experiment.code import command_lines, python_lines
 from latolato.app.experiment.description import EXPORTS, Description, is_table
 from latolato.app.experiment.finding import answer_of, finding_of
-from latolato.app.experiment.fits import fit_of, fits_of, trial_row
+from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
 from latolato.core.errors import InputError
@@ -202,23 +202,28 @@ def _results(
 
 
 def _motion(table: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Header and arrays of a track table for a page: angles [rad], their flags, the pivot."""
+    """Header and arrays of a track table for a page: angles [rad], their flags, the pivot.
+
+    ``after_gaps`` are the samples before which others are missing.
+    """
     balls = range(1, balls_of(table) + 1)
 
     def rows(name: str) -> Any:
         return np.stack([table[f"{name}_{b}"].values for b in balls]).astype(np.float32)
 
+    time = table["time"].values.astype(np.float64)
     flags = [[FLAGS.index(str(f)) for f in table[f"flag_{b}"].values] for b in balls]
     about = {
         "flags": FLAGS,
         "balls": len(balls),
         "first_frame": int(table["frame"][0]),
+        "after_gaps": (np.flatnonzero(np.diff(time) > longest_step(time)) + 1).tolist(),
         "attributes": {name: table.attrs[name] for name in _SHOWN if name in table.attrs},
         "shares": flag_shares(table),
         "typical_sigma": typical_sigma(table),
     }
     return about, {
-        "time": table["time"].values.astype(np.float64),
+        "time": time,
         "angle": rows("angle"),
         "angle_sigma": rows("angle_sigma"),
         "flag": np.array(flags, np.uint8),

@@ -12,16 +12,6 @@ import { t } from "../strings.js";
 const GRAVITY = 9.8; // only to tell dense curves from others
 export const SIDES = ["right", "left"];
 
-/**
- * Return values times a number, null where they are unknown.
- * @param {ArrayLike<number>} values
- * @param {number} by
- * @returns {any}
- */
-export function known(values, by = 1) {
-  return Array.from(values, (v) => (Number.isFinite(v) ? v * by : null));
-}
-
 export class Track {
   /** @param {Block} block */
   constructor(block) {
@@ -39,6 +29,8 @@ export class Track {
     this.time = clock.map((s) => s - clock[0]);
     this.media = /** @type {Float64Array} */ (arrays.media_time);
     this.end = this.time[this.time.length - 1];
+    /** Samples before which others are missing. @type {number[]} */
+    this.afterGaps = about.after_gaps;
     this.radius = about.attributes.radius_pixels ?? 8;
     this.hasAngles = about.attributes.geometry !== "unknown";
     this.about = { attributes: {
@@ -96,9 +88,9 @@ export class Track {
    * @returns {Shade[]}
    */
   shades() {
-    /** @type {Shade[]} */
-    const spans = [];
     const { time } = this;
+    /** @type {Shade[]} */
+    const spans = this.afterGaps.map((k) => ({ from: time[k - 1], to: time[k], paint: "flag-lost" }));
     for (let b = 0; b < this.count; b += 1) {
       const codes = this.values("flag", b);
       for (let i = 0; i < codes.length; i += 1) {
@@ -126,12 +118,24 @@ export class Track {
   }
 
   /**
-   * @param {(ball: number) => any} values
+   * Return values times a number as a curve, null where they are unknown; no line is drawn over a gap.
+   * @param {ArrayLike<number>} values
+   * @returns {any}
+   */
+  curve(values, by = 1) {
+    const shown = Array.from(values, (v) => (Number.isFinite(v) ? v * by : null));
+    for (const k of this.afterGaps) shown[k] = null;
+    return shown;
+  }
+
+  /**
+   * @param {(ball: number) => ArrayLike<number>} values
+   * @param {number} [by]
    * @returns {Curve[]}
    */
-  perBall(values) {
+  perBall(values, by) {
     return Array.from({ length: this.count }, (_, b) => ({
-      label: this.count > 1 ? t(SIDES[b]) : t("measured"), paint: SIDES[b], values: values(b) }));
+      label: this.count > 1 ? t(SIDES[b]) : t("measured"), paint: SIDES[b], values: this.curve(values(b), by) }));
   }
 
   /** @returns {Curve[]} */
@@ -140,7 +144,7 @@ export class Track {
     if (!model) return [];
     return Array.from({ length: model.about.balls }, (_, b) => ({
       label: b ? t("modelLeft") : t("model"), paint: "model", dash: [6, 4],
-      values: known(row(model, "angle", b), 1 / DEGREE) }));
+      values: this.curve(row(model, "angle", b), 1 / DEGREE) }));
   }
 
   /**
@@ -153,7 +157,7 @@ export class Track {
     const one = this.values("angle", b);
     const other = row(model, "angle", b);
     const codes = this.values("flag", b);
-    return known(one.map((v, i) => (codes[i] === 0 ? 1000 * (v - other[i]) : NaN)));
+    return one.map((v, i) => (codes[i] === 0 ? 1000 * (v - other[i]) : NaN));
   }
 }
 
@@ -167,11 +171,11 @@ export function panelsOf(track) {
   const shades = (/** @type {any} */ motion) => of(motion).shades();
   if (!track.hasAngles) {
     return [{ label: t("curvePlace"), height: 230, shades, curves: (motion) =>
-      of(motion).perBall((b) => known(of(motion).values("centre", 2 * b))) }];
+      of(motion).perBall((b) => of(motion).values("centre", 2 * b)) }];
   }
   /** @type {Panel[]} */
   const panels = [{ label: t("curveAngle"), height: 230, shades, curves: (motion) => [
-    ...of(motion).perBall((b) => known(of(motion).values("angle", b), 1 / DEGREE)),
+    ...of(motion).perBall((b) => of(motion).values("angle", b), 1 / DEGREE),
     ...of(motion).modelCurves(),
   ] }];
   if (track.model) {
@@ -181,7 +185,7 @@ export function panelsOf(track) {
   if (track.isDriven) {
     panels.push({ label: t("curvePivot"), height: 140, curves: (motion) => [{
       label: t("pivot"), paint: "ink",
-      values: known(of(motion).values("pivot_height", 0), 1000) }] });
+      values: of(motion).curve(of(motion).values("pivot_height", 0), 1000) }] });
   }
   return panels;
 }
