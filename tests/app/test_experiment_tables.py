@@ -267,3 +267,4 @@ def test_a_table_is_shown_in_another_language(page, angle, tmp_path):
     finding = page.locator(".finding").inner_text()
     assert re.match(r"Bandul berayun \d,\d+\s±\s0,\d+ kali per sekon dan kehilangan", finding)
     assert page.locator("[data-fit=decay] h2").inner_text() == "Peluruhan"
+    assert page.get_by_label("ketidakpastian panjang").first.is_visible()

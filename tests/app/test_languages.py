@@ -20,7 +20,7 @@ from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
-from latolato.app.experiment.description import fit_kinds
+from latolato.app.experiment.description import fields, fit_kinds
 from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
 from latolato.core.rules import RULES
@@ -112,8 +112,10 @@ def texts_of_analyses() -> Iterator[str]:
         yield label_of(name, axis["unit"])
 
 
-def texts_of_fits() -> Iterator[str]:
-    """Yield what Measure calls its fits and the numbers that it shows first."""
+def texts_of_measure() -> Iterator[str]:
+    """Yield what Measure calls its fields, its fits and the numbers that it shows first."""
+    for field in fields().values():
+        yield from (field["label"], field["description"])
     for kind in fit_kinds():
         yield from (kind["title"], kind["hint"])
         yield from (quantity_of(name).long_name for name in kind["headline"])
@@ -153,7 +155,7 @@ def needed_texts() -> list[str]:
     texts = [
         *texts_of_registry(),
         *texts_of_analyses(),
-        *texts_of_fits(),
+        *texts_of_measure(),
         *texts_of_stories(stories),
         *WORDS,
     ]

@@ -158,6 +158,10 @@ export class MeasureView {
 
   /** @param {import("./desk.js").Hello} hello */
   build(hello) {
+    for (const field of Object.values(hello.fields)) {
+      field.label = tr(field.label);
+      field.description = tr(field.description);
+    }
     const setup = new Setup(this.page, hello.fields, {
       changed: () => this.resized(),
       count: (balls) => this.counted(balls),
