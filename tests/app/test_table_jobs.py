@@ -174,7 +174,7 @@ def test_a_doubted_fit_is_told_before_anything_else(angle, tmp_path):
         ({"angle_from": "left"}, "angle_from must be 'down' or 'right'"),
         ({"y_axis": "left"}, "y_axis must be 'up' or 'down'"),
         ({"decimal": ";"}, "decimal must be"),
-        ({"frame_rate": "-3"}, "frame_rate must be positive"),
+        ({"frame_rate": "-3"}, r"frame_rate must lie in \(0"),
         ({"section": "2"}, "it has no section '2'"),
     ],
 )  # fmt: skip

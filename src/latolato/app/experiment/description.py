@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.forms import registry, shown_option
+from latolato.app.forms import shown_option
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity
@@ -165,9 +164,7 @@ class Description:
         """
         if not isinstance(value, Mapping):
             raise InputError("a description must be an object", value=value)
-        quantities = (*SHARED, "length_sigma", *(parameter.name for parameter in CAMERA), *SIZES,
-                      *TABLE_PARAMETERS)  # fmt: skip
-        known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities)
+        known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities())
         for name in value:
             if name not in known:
                 raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
@@ -175,13 +172,10 @@ class Description:
         if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
             raise InputError("must be one place or two", parameter="balls")
         numbers: dict[str, Any] = {
-            name: number(name, value.get(name)) for name in quantities if value.get(name)
+            name: _number(parameter, value[name])
+            for name, parameter in quantities().items()
+            if value.get(name) not in (None, "")
         }
-        positive = ("length", "length_sigma", "radius", "mass", "gravity", "slow_motion", *SIZES,
-                    "frame_rate")  # fmt: skip
-        for name in positive:
-            if name in numbers and not numbers[name] > 0.0:
-                raise InputError("must be positive", parameter=name, value=float(numbers[name]))
         return cls(
             pivot=_pivot(value.get("pivot")),
             balls=tuple(checked_place("balls", ball) for ball in balls),
@@ -205,22 +199,29 @@ def _pivot(value: Any) -> Pivot | None:
     return value if value in (None, OUTSIDE) else checked_place("pivot", value)
 
 
-def number(name: str, value: Any) -> float:
+def quantities() -> dict[str, Parameter]:
+    """The quantities that a page asks for, with what they may be."""
+    options = law_options()
+    shared = {name: replace(options[name], suggested=None) for name in SHARED}
+    # Laws know balls without a size, pictures do not.
+    shared["radius"] = replace(shared["radius"], allowed=POSITIVE)
+    camera = {parameter.name: parameter for parameter in CAMERA}
+    sizes = {name: VIDEO_PARAMETERS[name] for name in SIZES}
+    return {**shared, **camera, **sizes, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+
+
+def _number(parameter: Parameter, value: Any) -> float:
     """Return a quantity in SI units.
 
     Raises
     ------
     InputError
-        If it is no finite number with a unit that fits.
+        If it is no finite number with a unit that fits, or not what the quantity may be.
     """
-    known = {**law_options(), **VIDEO_PARAMETERS, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
-    unit = known[name].unit
+    name = parameter.name
     if isinstance(value, bool) or not isinstance(value, (str, int, float)):
         raise broken_rule("text_or_number", parameter=name, value=value)
-    converted = to_si(name, value, unit)
-    if not isinstance(converted, float) or not math.isfinite(converted):
-        raise InputError("must be a finite number", parameter=name, value=value)
-    return converted
+    return float(parameter.checked(to_si(name, value, parameter.unit)))
 
 
 def is_table(name: str) -> bool:
@@ -236,12 +237,7 @@ def is_table(name: str) -> bool:
 
 def fields() -> dict[str, Any]:
     """Return how each quantity that a page asks for is shown, as in the registry of options."""
-    options = registry()["options"]
-    entries = {name: {**options[name], "suggested": None} for name in SHARED}
-    entries |= {parameter.name: shown_option(parameter) for parameter in CAMERA}
-    entries |= {name: shown_option(VIDEO_PARAMETERS[name]) for name in SIZES}
-    entries |= {name: shown_option(parameter) for name, parameter in TABLE_PARAMETERS.items()}
-    entries["length_sigma"] = shown_option(LENGTH_SIGMA)
+    entries = {name: shown_option(parameter) for name, parameter in quantities().items()}
     entries["row_time"]["units"] = _ROW_UNITS
     return entries
 
