@@ -148,10 +148,8 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     assert page.get_by_label("what Zeit is").evaluate("e => e.value") == "time"
     assert page.get_by_label("what Nr is").evaluate("e => e.value") == ""
     page.get_by_label("what Ausschlag is").select_option("angle of ball 1")
-    page.get_by_role("button", name="Use this table").click()
-    page.get_by_text("the unit of column 'Zeit' is missing; write it in brackets").wait_for(
-        timeout=PATIENCE
-    )
+    page.get_by_text("Choose the unit of “Zeit”, “Ausschlag” in the table first.").wait_for()
+    assert page.get_by_role("button", name="Use this table").is_disabled()
     # A role that another column takes is taken from the first.
     page.get_by_label("what Nr is").select_option("time")
     assert page.get_by_label("what Zeit is").evaluate("e => e.value") == ""

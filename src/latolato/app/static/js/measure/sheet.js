@@ -94,6 +94,16 @@ export function choicesOf(sheet) {
     angle_from: angles ? angleFrom : null, y_axis: heights ? yAxis : null };
 }
 
+/**
+ * Return the names of columns whose unit is missing: they cannot be used yet. Times on a clock have none.
+ * @param {Sheet} sheet
+ * @param {Record<string, string[]>} known the units that each role may have
+ */
+export function withoutUnit({ parts, part, roles, units, isOwn }, known) {
+  return isOwn ? [] : parts[part].columns.filter(({ position, kind }) => kind !== "texts"
+    && known[roles[position]]?.length && !units[position]).map(({ path }) => path);
+}
+
 /** The card that shows a table. */
 export class SheetCard {
   /**

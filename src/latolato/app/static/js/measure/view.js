@@ -15,7 +15,7 @@ import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
 import { isSeen, Session } from "./session.js";
 import { Setup } from "./setup.js";
-import { choicesOf, chosen, SheetCard } from "./sheet.js";
+import { choicesOf, chosen, SheetCard, withoutUnit } from "./sheet.js";
 import { handlesOf, Tools, toolsOf } from "./tools.js";
 import { panelsOf } from "./track.js";
 
@@ -117,7 +117,7 @@ export class MeasureView {
     refresh(this.list, [clips.map((f) => [f.id, f.stage !== null]), clip?.id], () =>
       [clipList(this.session, (each) => this.open(each))]);
     this.form.hidden = !clip;
-    if (clip) this.setup?.update(clip);
+    if (clip) this.setUp(clip);
     if (clip) this.tools.update(clip);
     const isKept = this.session.isKept(clip);
     refresh(this.exports,
@@ -148,6 +148,11 @@ export class MeasureView {
     if (clip?.about && clip.url) this.showClip(clip);
     if (clip?.sheet) this.showTable(clip);
     this.updateTrials();
+  }
+
+  /** @param {Clip} clip whose set-up is shown */
+  setUp(clip) {
+    this.setup?.update(clip, clip.sheet ? withoutUnit(clip.sheet, this.sheet?.roles ?? {}) : []);
   }
 
   /** @param {Clip | undefined} clip */
@@ -316,7 +321,7 @@ export class MeasureView {
     }
     clip.places = { ...clip.places, [name]: place };
     if (name === "pivot" || name.startsWith("ball")) clip.isProposed = false;
-    this.setup?.update(clip);
+    this.setUp(clip);
   }
 
   /** Heed that another frame is on show. */
