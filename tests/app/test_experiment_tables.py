@@ -138,6 +138,8 @@ def test_a_recording_of_phyphox_gives_the_angle_of_its_gyroscope(page, run, tmp_
 
 
 def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path):
+    from playwright.sync_api import expect
+
     path = written(tmp_path / "Messung.csv", "Nr;Zeit;Ausschlag", np.arange(len(TIME)), TIME,
                    np.degrees(angle), delimiter=";")  # fmt: skip
     path.write_text(path.read_text("utf-8").replace(".", ","), "utf-8")
@@ -156,7 +158,14 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     page.get_by_label("what Zeit is").select_option("time")
     page.get_by_label("unit of Zeit").select_option("s")
     page.get_by_label("unit of Ausschlag").select_option("deg")
-    used(page)
+    use = page.get_by_role("button", name="Use this table")
+    chosen = page.locator(".pick[aria-pressed=true]")
+    chosen.hover()
+    expect(chosen).to_have_css("color", use.evaluate("e => getComputedStyle(e).color"))
+    # Whoever uses the keyboard does not lose their place when the button goes.
+    focused = use.evaluate("e => { e.click(); return document.activeElement.textContent; }")
+    assert focused == "Cancel"
+    page.locator("[data-state=result]").wait_for(timeout=PATIENCE)
     assert page.get_by_role("alert").filter(visible=True).count() == 0
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
     assert page.locator("[data-fit=decay]").count() == 1

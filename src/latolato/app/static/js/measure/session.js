@@ -189,11 +189,10 @@ export class Session {
   }
 
   /**
-   * See that the server has a clip, which it has not after it was started again.
+   * Send a clip again to a server that was started again.
    * @param {Clip} clip
    */
-  async ensure(clip) {
-    if (this.isKept(clip)) return true;
+  async sendAgain(clip) {
     if (!clip.file || !this.desk.hello) {
       clip.error = t("clipsLost");
       this.changed();
@@ -209,7 +208,8 @@ export class Session {
    * @param {Record<string, any>} description
    */
   async track(clip, description) {
-    if (!(await this.ensure(clip))) return;
+    // Work that begins at once shows its Cancel button, which then takes the focus.
+    if (!this.isKept(clip) && !(await this.sendAgain(clip))) return;
     const block = await this.work(clip, (follow) =>
       this.desk.job({ do: clip.sheet ? "import" : "track", clip: clip.key, description }, follow));
     if (!block) return;
