@@ -39,6 +39,8 @@ _ROUNDING, _TAKES_PART = 1e-12, 0.1
 # Parameters that messages name.
 _LISTED = 4
 _ROUNDS = 2
+# What may help a fit that fails.
+_LESS = "fit fewer parameters, or use another part"
 
 
 class ConvergenceError(InputError):
@@ -247,6 +249,12 @@ def solve(
     for turn in range(1 if like is not None else _ROUNDS + 2):
         if turn == 1:
             cleaned = _without_outliers(residuals / data.sigmas)
+            if cleaned.sum() < 2 * loose:
+                raise ConvergenceError(
+                    f"the fit of {listed(names)} follows only {cleaned.sum()} of {len(data)} "
+                    "samples",
+                    way_out=_LESS,
+                )
             if np.array_equal(cleaned, mask):
                 continue
             mask = cleaned
@@ -339,19 +347,18 @@ def listed(names: Sequence[str]) -> str:
 def _minimized(minimizer: Any, limit: int) -> Any:
     """The result of lmfit, refused if it did not converge."""
     names = listed(list(minimizer.params))
-    way_out = "fit fewer parameters, or use another part"
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
             result = minimizer.minimize(method="leastsq", max_nfev=limit)
         except ValueError as error:  # a trial that the model refuses, or has no value for
             raise ConvergenceError(
-                f"the fit of {names} left the range of its model", way_out=way_out
+                f"the fit of {names} left the range of its model", way_out=_LESS
             ) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
     if result.aborted or not result.success:
         raise ConvergenceError(
-            f"the fit of {names} did not converge in {result.nfev} trials", way_out=way_out
+            f"the fit of {names} did not converge in {result.nfev} trials", way_out=_LESS
         )
     return result
 
