@@ -8,6 +8,7 @@ frequency and "1.6 /s" is refused instead of being guessed.
 from __future__ import annotations
 
 import re
+import tokenize
 from collections.abc import Sequence
 from decimal import Decimal
 from functools import lru_cache
@@ -156,6 +157,7 @@ def to_si(name: str, value: Any, unit: str) -> Any:
         AttributeError,
         TypeError,
         ValueError,
+        tokenize.TokenError,  # of Python 3.12 and later, for brackets that do not match
     ):
         raise _refusal(name, value, written, unit) from None
 
