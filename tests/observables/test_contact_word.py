@@ -217,7 +217,9 @@ def test_plain_python_finds_the_same_words(name, motion, duration):
 
 
 def test_two_equal_balls_have_the_words_of_their_mirror_symmetric_model():
-    amplitudes, ratios = zip(RATTLE, CLACK, strict=True)
+    # There the mirrored motion attracts: its transverse exponents are -0.09 and -0.08 1/s. At CLACK
+    # that is 0.04 1/s, and any rounding that is not mirrored leads away from it.
+    amplitudes, ratios = zip(RATTLE, (0.11, CLACK[1]), strict=True)
     result = ll.sweep(
         PAIR, axes={"motion": {"drive_amplitude": amplitudes, "frequency_ratio": ratios}},
         duration=150.0, initial_angle=(0.28, -0.28), observables=["contact_word"],
