@@ -7,6 +7,7 @@ import os
 import subprocess
 import sys
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
@@ -31,7 +32,10 @@ def start_server(*options: str) -> Server:
     command = [sys.executable, "-m", "latolato", "app", "--no-browser", *options]
     if "--port" not in options:
         command += ["--port", "0"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env={**os.environ})
+    # Not where `make demo` may have left a report, which the server would show.
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, text=True, env={**os.environ}, cwd=Path(__file__).parent
+    )
     assert process.stdout is not None
     line = process.stdout.readline()
     assert " at http" in line, f"the server said {line!r} instead of its address"
