@@ -189,6 +189,24 @@ def test_rest_and_lift_off(restitution):
     assert worst(system, STRONG, ONE, ("length", "radius", "drive_amplitude")) < ENOUGH
 
 
+@pytest.mark.parametrize("name", ["damping", "quadratic_damping", "coulomb_damping"])
+@pytest.mark.parametrize("system", [PENDULUM, TOY])
+def test_a_drag_that_is_not_there(system, name):
+    """The drag would have the sign of the velocity, so turns count although nothing happens."""
+    system, width, times = replace(system, damping=0.0), 1e-4, TIMES[:7]
+    run = record(system, HARMONIC, times=times, tolerance=1e-13, sensitivity_to=name, **ONE)
+    # A drag is not negative: the forward difference of sixth order.
+    expected = np.zeros(len(times))
+    for k, weight in enumerate((-49 / 20, 6, -15 / 2, 20 / 3, -15 / 4, 6 / 5, -1 / 6)):
+        law = replace(system, **{name: k * width})
+        other = record(law, HARMONIC, times=times, tolerance=1e-13, **ONE)
+        expected += weight * np.asarray(other["angle"]) / width
+    assert run.attrs["sensitivity_status"] == "known"
+    # Differences at zero resolve less than those about a value.
+    off = abs(np.asarray(run["angle_sensitivity"])[0] - expected)
+    assert np.max(off) < 1e-6 * np.max(abs(expected))
+
+
 def test_two_balls():
     names = ("right_length", "left_radius", "right_mass", "left_damping", "restitution")
     assert worst(PAIR, HARMONIC, TWO, (*names, "initial_angle_left")) < ENOUGH
