@@ -222,6 +222,11 @@ def test_bad_input_is_refused_with_the_reason(swing):
         fit_posterior(swing, SWING, draws=0)
     with pytest.raises(InputError, match="chains"):  # one has nothing to agree with
         fit_posterior(swing, SWING, chains=1)
+    for seed, words in ((-1, "seed must lie in"), ("one", "seed must be a whole number")):
+        with pytest.raises(InputError, match=words):
+            fit_posterior(swing, SWING, seed=seed)
+    with pytest.raises(InputError, match="ball must be 1 in this table, got 0"):
+        fit_posterior(swing, SWING, ball=0)
 
 
 def test_a_posterior_is_stored_drawn_and_made_by_a_command(tmp_path, capsys):

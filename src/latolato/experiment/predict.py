@@ -15,6 +15,7 @@ from latolato.experiment.fits.result import Fit
 from latolato.experiment.trial_table import CLASSES
 from latolato.observables.angles import MotionClass
 from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.noise import SEEDS
 from latolato.physics.pendulum import System
 from latolato.simulation.vary import parameters_of
 from latolato.sweeps import sweep
@@ -104,7 +105,7 @@ def predict(
         motion = FixedPivot()
     axes = dict(axes or {})
     varied = _varied(known, body, motion if drive is None else None, axes)
-    random = np.random.default_rng(checked_count("seed", seed, Range(0)))
+    random = np.random.default_rng(checked_count("seed", seed, SEEDS))
     flat = known.stack({"one": ("chain", "draw")})
     chosen = random.choice(flat.sizes["one"], size=min(count, flat.sizes["one"]), replace=False)
     # A chain repeats a draw where it did not move on: one run stands for all of these.
@@ -149,7 +150,7 @@ def predict(
     return result
 
 
-def _draws_of(posterior: Fit) -> xr.Dataset:
+def _draws_of(posterior: Any) -> xr.Dataset:
     """Return the draws of a posterior that is a result."""
     draws = posterior.draws if isinstance(posterior, Fit) else None
     if draws is None:
