@@ -299,6 +299,21 @@ def test_a_bouncing_ball_is_elementary():
     assert late[2] == pytest.approx(0.5 * first * sums / offset, rel=1e-5)
 
 
+@pytest.mark.parametrize("phase, same", [(0.3 + 320.0 * math.pi, 0.3), (1e-13, 0.0)])
+def test_a_phase_of_any_size_is_varied_by_a_part_of_a_turn(phase, same):
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.1, horizontal_amplitude=0.05, drive_frequency=6.0
+    )
+    one, other = (
+        record(
+            PENDULUM, replace(drive, vertical_phase=each), times=TIMES,
+            sensitivity_to="vertical_phase", **ONE,
+        )["angle_sensitivity"]
+        for each in (phase, same)
+    )  # fmt: skip
+    np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
+
+
 def test_ratios_change_what_they_stand_for():
     def slopes(*names):
         run = record(TOY, HARMONIC, times=TIMES, sensitivity_to=names, **ONE)

@@ -183,7 +183,10 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
             slopes.append({**unchanged, "start": unit})
             continue
         value = _value_of(plan, parameter)
-        size = max(map(abs, parameter.suggested)) if parameter.suggested else 1.0
+        if parameter.unit == "rad":  # a phase acts by its sine, however large it is
+            size = 1.0
+        else:
+            size = abs(value) or max(map(abs, parameter.suggested or (1.0,)))
 
         def numbers(values: Sequence[float], parameter: Parameter = parameter) -> Numbers:
             varied = [_varied(plan, parameter, value, held) for value in values]
@@ -194,9 +197,7 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
                 result |= segments_of([drive for _, drive, _ in varied], plan.end)
             return result
 
-        own = unchanged | slopes_of(
-            parameter.name, numbers, value, abs(value) or size, parameter.allowed
-        )
+        own = unchanged | slopes_of(parameter.name, numbers, value, size, parameter.allowed)
         if not _acts(plan, own):
             only = ", as it does through drag or on another ball" * ("mass" in parameter.path)
             raise InputError(
