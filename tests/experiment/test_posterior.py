@@ -222,6 +222,11 @@ def test_bad_input_is_refused_with_the_reason(swing):
         fit_posterior(swing, SWING, draws=0)
     with pytest.raises(InputError, match="chains"):  # one has nothing to agree with
         fit_posterior(swing, SWING, chains=1)
+    for seed, words in ((-1, "seed must lie in"), ("one", "seed must be a whole number")):
+        with pytest.raises(InputError, match=words):
+            fit_posterior(swing, SWING, seed=seed)
+    with pytest.raises(InputError, match="ball must be 1 in this table, got 0"):
+        fit_posterior(swing, SWING, ball=0)
 
 
 def test_a_posterior_is_stored_drawn_and_made_by_a_command(tmp_path, capsys):
@@ -247,11 +252,11 @@ class TestPrediction:
 
     DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=14.0)
 
-    def posterior(self, restitution):
+    def posterior(self, restitution, system=TOY):
         """A posterior whose restitution has these draws, without sampling."""
         draws = np.asarray(restitution).reshape(2, -1)
         attributes = {"fit": "posterior", "verdict": "", "drive": "fixed_pivot"}
-        attributes["system_description"] = json.dumps(systems.described(TOY))
+        attributes["system_description"] = json.dumps(systems.described(system))
         parts = {f"restitution_{part}": 0.0 for part in ("sigma", "low", "high")}
         value = ((), 0.9, {"units": "1"})
         variables = {"restitution": value, **parts, "restitution_draw": (("chain", "draw"), draws)}
@@ -274,6 +279,19 @@ class TestPrediction:
         assert "P(strong) = " in got.attrs["verdict"]
         assert float(got["probability_strong_low"]) <= float(got["probability_strong"])
 
+    def test_the_class_of_two_balls_is_that_of_the_stronger_motion(self):
+        values = np.linspace(0.1, 0.99, 20)
+        options = {"duration": 20.0, "transient": 15.0, "initial_angle": (0.8, -0.8)}
+        got = ll.predict(self.posterior(values, PAIR), self.DRIVE, draws=20, **options)
+        each = ll.sweep(
+            PAIR, self.DRIVE, axes={"restitution": values}, observables=[ll.MotionClass()],
+            **options,
+        )["motion_class"].max("ball")  # fmt: skip
+        assert not got.dims
+        for number, name in enumerate(("none", "weak", "strong")):
+            assert float(got[f"probability_{name}"]) == pytest.approx(np.mean(each == number))
+        assert len(set(each.values)) > 1  # else the numbers could not tell a mistake
+
     def test_it_is_a_map_over_axes(self, tmp_path):
         axes = {"drive_amplitude": [0.0, 0.02, 0.03], "drive_frequency": [12.0, 14.0]}
         got = ll.predict(
@@ -293,6 +311,11 @@ class TestPrediction:
             ll.predict(good, self.DRIVE, axes={"restitution": [0.5]})
         with pytest.raises(InputError, match="must be what fit_posterior returns"):
             ll.predict(Fit(good.dataset.drop_vars("restitution_draw")), self.DRIVE)
+        for other in (None, "toy.nc", good.dataset):
+            with pytest.raises(InputError, match="must be what fit_posterior returns"):
+                ll.predict(other, self.DRIVE)
+        with pytest.raises(InputError, match="seed must lie in"):
+            ll.predict(good, self.DRIVE, seed=-1)
         doubted = Fit(good.dataset.assign_attrs(describes=0, doubt="The draws are too few."))
         with pytest.raises(InputError, match="no result: The draws are too few"):
             ll.predict(doubted, self.DRIVE)

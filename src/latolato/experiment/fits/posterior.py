@@ -48,6 +48,7 @@ from latolato.experiment.fits.result import (
 )
 from latolato.experiment.fits.sight import SEEN
 from latolato.physics.drives import Drive, drives
+from latolato.physics.noise import SEEDS
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.sensitivity import Numbers
 
@@ -154,6 +155,7 @@ def fit_posterior(
     sampling_module("nutpie")
     count = checked_count("draws", draws, Range(10))
     paths = checked_count("chains", chains, Range(2))
+    seed = checked_count("seed", seed, SEEDS)
     found = described(
         table, system, drive, unknown, ball=ball, start=start, end=end, window=window,
         prior=prior, fits_pivot=True,
