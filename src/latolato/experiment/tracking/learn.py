@@ -17,7 +17,6 @@ from latolato.experiment.tracking.appearance import (
     arc,
 )
 from latolato.experiment.tracking.disc import disc_at
-from latolato.experiment.tracking.dot import Dot
 from latolato.experiment.tracking.geometry import Geometry
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
@@ -28,7 +27,12 @@ from latolato.experiment.tracking.pivot import (
 )
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
+from latolato.experiment.tracking.teach import (
+    SMALLEST_DISC,
+    Sighting,
+    learn_exposure,
+    learn_look,
+)
 from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
@@ -47,6 +51,8 @@ _FASTER = 0.3
 _PATTERN = 0.05
 # By which factor radii of the same disc may differ, and those of two measurements of it.
 _SIZE, _MEASURED = 1.5, 1.15
+# Radius, in pixels of a small picture, below which a ball may be too small for an edge.
+_SMALL = 2.0
 # How many frames in which a ball is slow show what it looks like.
 _SLOW = 7
 # They are smeared by less than this share of the radius, or these are the slowest of them.
@@ -138,8 +144,9 @@ def learn_image_model(
     centres = [np.array(ball, float) for ball in balls]
     size = radius or rough_radius or 0.08 * geometry.arm(balls)
     shots: list[tuple[int, np.ndarray]] = []
+    dot = _dot_radius(sample, route)
     for b, click in enumerate(balls):
-        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
+        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius, dot)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
@@ -236,45 +243,29 @@ def _first_fit(
     return staying
 
 
-def learn_dot_model(
-    sample: Sample, geometry: Geometry, balls: list[np.ndarray], route: Route, radius: float
-) -> ImageModel:
-    """The image model of a clip whose balls are too small for an edge.
+def _dot_radius(sample: Sample, route: Route) -> float:
+    """Return the radius of balls that are too small for an edge [pixels], NaN for larger ones.
 
-    Parameters are those of `learn_image_model`, and the dots' radius [pixels].
-
-    Raises
-    ------
-    InputError
-        If the sample shows no ball.
+    It is that of a disc of as many pixels as differ by half of what the clearest one does, in
+    frames in which they are slow.
     """
-    frames = sample.from_click
-    medians = sample.medians
-    rest = [
-        np.abs(frame.luma.astype(np.int16) - medians[0])
-        for frame in frames[:: max(1, len(frames) // 8)]
+    if not route.radius < _SMALL * max(sample.copies.shrink, 2.0):
+        return math.nan
+    behind = sample.medians[0]
+    speeds = np.linalg.norm(route.velocities[0], axis=-1)
+    seen = [
+        (float(speeds[frame.number, b]), frame, route.places[frame.number, b])
+        for frame in sample.frames
+        for b in np.flatnonzero(route.is_seen[frame.number] & np.isfinite(speeds[frame.number]))
     ]
-    noise = 1.4826 * float(np.median(np.median(rest, axis=0)))
-    dot = Dot(medians[0], max(4.0 * noise, 4.0), radius, 0.5, route.exposure)
-    scene = ImageModel(geometry.tracker, dot, geometry.arm(balls), len(balls), tilt=geometry.tilt)
-    sightings = first_sightings(scene, frames, geometry.pivots, route)
-    if not sightings:
-        raise InputError("no dot that moves was found", way_out="point at a larger ball")
-    found = [
-        dot.middles(frames[one.frame][2:], [one.path(scene.arm, dot.exposure)], 1.0)[0]
-        for one in sightings
-    ]
-    # Of a dot that saturates, smears have more light.
-    dot.change = float(np.quantile([total for total, _ in found], 0.1))
-    scene.arm = float(
-        np.median(
-            [
-                np.hypot(*scene.tilt.flat(place - one.pivot))
-                for (_, place), one in zip(found, sightings, strict=True)
-            ]
-        )
-    )
-    return scene
+    reach, radii = math.ceil(2.0 * route.radius) + 3, []
+    for _, frame, place in sorted(seen, key=lambda one: one[0])[:_SLOW]:
+        left, top = np.maximum(np.rint(place).astype(int) - reach, 0)
+        part = np.s_[top : top + 2 * reach + 1, left : left + 2 * reach + 1]
+        apart = np.abs(frame.luma[part].astype(float) - behind[part])
+        radii.append(math.sqrt(np.count_nonzero(apart > 0.5 * apart.max()) / math.pi))
+    radius = float(np.median(radii)) if radii else math.nan
+    return radius if radius < SMALLEST_DISC else math.nan
 
 
 def _discs(
@@ -286,12 +277,14 @@ def _discs(
     size: float,
     pivot: np.ndarray,
     radius: float | None,
+    dot: float,
 ) -> tuple[list[tuple[int, np.ndarray]], float]:
     """Return frames of the sample with a ball's centre in each, and its radius [pixels].
 
     They are the clicked frame, the first, unless the ball is smeared there by a quarter of its
     width, and some in which it is slow: a hand may hold it in the first. Each shows the disc of
-    the size that is declared or guessed, or of what moves there.
+    the size that is declared or guessed, or of what moves there. A `dot` is a radius too small for
+    a disc to be looked for, NaN for larger ones.
     """
     speeds = np.linalg.norm(route.velocities[0][:, ball], axis=-1)
     smears = speeds * float(np.median(np.diff(route.times))) * route.exposure
@@ -306,6 +299,8 @@ def _discs(
     slow.sort(key=lambda k: float(smears[numbers[k]]))
     sharp = [k for k in slow if smears[numbers[k]] < _SHARP * route.radius]
     slow = sharp if len(sharp) > _FEW else slow[:_FEW]
+    if math.isfinite(dot):  # it has no rim
+        return [(k, route.places[numbers[k], ball]) for k in slow], dot
     is_moving = not route.is_traced and (radius is None or _is_alike(route.radius, radius))
     found: list[tuple[int, np.ndarray, float, float]] = []
     if 0 not in seen or smears[numbers[0]] < 0.5 * route.radius or not slow:

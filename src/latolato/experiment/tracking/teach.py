@@ -15,6 +15,8 @@ from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.paint import filled, painted
 from latolato.experiment.video import Frame
 
+# Radius below which a ball has no edge to measure [pixels].
+SMALLEST_DISC = 3.0
 # Share of the contrast between ball and wall from which a residual is something else.
 _OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
@@ -76,6 +78,10 @@ def learn_look(
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
+    if look.radius < SMALLEST_DISC:  # smears are longer than it, and hide colours and edge
+        look.radius_sigma = look.blur
+        _learn_noise(look, frames, good)
+        return arm
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     clear = _learn_noise(look, frames, good)
