@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from latolato.experiment.opencv import import_cv2
+from latolato.experiment.tracking.link import extent_of
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import (
@@ -191,7 +192,7 @@ def moving_ball(track: Positions) -> Finding | None:
         places = track.centres[track.is_measured[:, ball], ball]
         if len(places) < _FEWEST:
             continue
-        extent = _extent(places)
+        extent = extent_of(places)
         if extent < max(_RESTING, _RESTING_RADII * track.radius):
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
@@ -305,7 +306,7 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
                 if number < len(track.times) and track.is_measured[number, ball]
             ]
         )
-        extent = _extent(own) if len(own) >= _FEWEST else math.inf
+        extent = extent_of(own) if len(own) >= _FEWEST else math.inf
         if extent < max(_RESTING, _CARRIED * far.moved):
             return Finding(
                 f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
@@ -313,12 +314,6 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
                 "point at the ball that swings, and film with the camera on a tripod",
             )
     return Finding(reason, "film on a tripod for full accuracy", False)
-
-
-def _extent(places: np.ndarray) -> float:
-    """Return how far places (place, 2) spread; the outermost may be mistakes."""
-    low, high = np.quantile(places, [0.02, 0.98], axis=0)
-    return float(np.hypot(*(high - low)))
 
 
 def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
@@ -338,7 +333,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         if seen.sum() < _FEWEST:
             continue
         if known.sum() < max(_FEWEST, _TELLING * seen.sum()):
-            extent = _extent(track.centres[numbers[seen], ball])
+            extent = extent_of(track.centres[numbers[seen], ball])
             return Finding(
                 f"what was followed moves by {extent:.1f} pixels, too little for a disc of "
                 f"{track.radius:.0f} pixels radius to be told from the wall",
