@@ -13,9 +13,10 @@ from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
-    Look,
     arc,
+    fit_balls,
 )
+from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.geometry import Geometry
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
@@ -73,8 +74,8 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Look
-        Layers of the image, or a template of bobs that are no discs.
+    look : Appearance
+        Layers of the image.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
@@ -88,7 +89,7 @@ class ImageModel:
     """
 
     pivot: PivotTracker
-    look: Look
+    look: Appearance
     arm: float
     balls: int
     explained: float = 1.0
@@ -114,6 +115,7 @@ def learn_image_model(
     progress: Callable[[float], None] | None = None,
     *,
     rough_radius: float | None = None,
+    half: float | None = None,
 ) -> ImageModel:
     """The image model of a clip: background, balls and pivot.
 
@@ -131,6 +133,8 @@ def learn_image_model(
         Where the balls roughly are in all frames.
     rough_radius : float, optional
         Of the balls, from which their radius is looked for [pixels]; by default a share of the arm.
+    half : float, optional
+        Half the side of the patch about a click that shows a bob, if that is no disc [pixels].
 
     Raises
     ------
@@ -145,7 +149,9 @@ def learn_image_model(
     size = radius or rough_radius or 0.08 * geometry.arm(balls)
     shots: list[tuple[int, np.ndarray]] = []
     dot = _dot_radius(sample, route)
-    for b, click in enumerate(balls):
+    if half is not None:
+        size, shots = half, [(0, ball) for ball in balls]
+    for b, click in enumerate(balls if half is None else []):
         own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius, dot)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
@@ -175,8 +181,11 @@ def learn_image_model(
     if route.is_smeared:
         look.exposure = route.exposure
     scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
-    turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
-    sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
+    if half is None:
+        turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
+        sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
+    else:
+        sightings = _first_bobs(scene, frames, pivots, route, balls, medians)
     for round_ in range(_ROUNDS):
         if round_ > 0:
             sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
@@ -187,7 +196,7 @@ def learn_image_model(
                 way_out="point at the middle of the ball"
                 + (", and check radius and length" if radius else ""),
             )
-        scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0, tilt=tilt)
+        scene.arm = learn_look(look, frames, sightings, medians, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
             raise InputError(
                 f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like its surroundings",
@@ -208,7 +217,7 @@ def learn_image_model(
         if progress:
             progress((round_ + 1) / _ROUNDS)
     scene.explained = float(np.median([one.explained for one in sightings]))
-    if look.is_spinning:  # a pattern may look like the wall at the edge
+    if look.is_spinning and look.body is None:  # a pattern may look like the wall at the edge
         look.radius_sigma = math.hypot(look.radius_sigma, _PATTERN * look.radius)
     return scene
 
@@ -221,7 +230,6 @@ def _first_fit(
     `turning` are the colours that turn with the rod.
     """
     look = scene.look
-    assert isinstance(look, Appearance)
 
     def fitted() -> list[Sighting]:
         first = first_sightings(scene, frames, pivots, route)
@@ -241,6 +249,43 @@ def _first_fit(
     look.is_spinning, look.paint = False, paint
     look.whitened()
     return staying
+
+
+def _first_bobs(
+    scene: ImageModel,
+    frames: list[Frame],
+    pivots: np.ndarray,
+    route: Route,
+    balls: list[np.ndarray],
+    medians: tuple[np.ndarray, ...],
+) -> list[Sighting]:
+    """Return the bobs of the sample, fitted with what is different about the clicks (2,)."""
+    clicked = [
+        Sighting(0, ball, pivots[0], math.atan2(*(ball - pivots[0])), 0.0, 1.0, np.zeros(2), b)
+        for b, ball in enumerate(balls)
+    ]
+    scene.look.is_spinning = True
+    learn_body(scene.look, frames, clicked, medians)
+    scene.lean = _lean(route, frames[0].number, balls, pivots[0])
+    first = first_sightings(scene, frames, pivots, route)
+    found = fit_sample(scene, frames, first, pivots, tolerant=3)
+    if not any(one.frame > 1 for one in found):
+        raise InputError(
+            f"nothing like the patch at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
+            "frames",
+            way_out="point at the middle of the bob, or choose another patch",
+        )
+    return found
+
+
+def _lean(route: Route, number: int, balls: list[np.ndarray], pivot: np.ndarray) -> float:
+    """Return by which angle what is pointed at is ahead of the middle of what moves [rad]."""
+    if not (0 <= number < len(route.times) and route.is_seen[number].all()):
+        return 0.0
+    own, seen = (
+        np.arctan2(*(np.array(places) - pivot).T) for places in (balls, route.places[number])
+    )
+    return float(np.mean(np.remainder(own - seen + math.pi, math.tau) - math.pi))
 
 
 def _dot_radius(sample: Sample, route: Route) -> float:
@@ -419,7 +464,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = look.fit(frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot

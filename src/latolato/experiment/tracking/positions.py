@@ -9,6 +9,7 @@ import numpy as np
 from scipy.ndimage import binary_erosion
 
 from latolato.experiment.track_table import CLEAN, MEASURED
+from latolato.experiment.tracking.appearance import reach_of
 
 # How far a point is blurred by a lens and by the halved resolution of colour [pixels].
 _BLUR = 2.5
@@ -79,10 +80,7 @@ class Positions:
     @property
     def reach(self) -> float:
         """How far from its centre a ball reaches [pixels]."""
-        if self.body is None:
-            return self.radius
-        middle = (np.array(self.body.shape) - 1) / 2
-        return float(np.linalg.norm(np.argwhere(self.body) - middle, axis=1).max())
+        return self.radius if self.body is None else reach_of(self.body)
 
     def covers(self, away: np.ndarray, angle: float, unsure: float) -> np.ndarray:
         """Return whether places (..., 2) from a ball's centre are under it.

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.experiment.calibration.hinge import CLICK
-from latolato.experiment.tracking.appearance import arc, samples_for
+from latolato.experiment.tracking.appearance import arc, fit_balls, samples_for
 from latolato.experiment.tracking.learn import ImageModel
 from latolato.experiment.tracking.pivot import PivotFollower
 from latolato.experiment.tracking.positions import Positions
@@ -170,8 +170,8 @@ class _Refiner:
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
         for group in groups:
-            fit = scene.look.fit(
-                shot.frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
+            fit = fit_balls(
+                scene.look, shot.frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
             )
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
