@@ -159,7 +159,7 @@ def _hello(store: Store, desk: Desk) -> Any:
     """Fields, fits, examples and limits that a page needs to request work."""
     from latolato.app.experiment.description import EXAMPLES, TABLE_ENDINGS, fields, fit_kinds
     from latolato.app.experiment.tables import roles
-    from latolato.experiment.tracking.learn_template import ROUND, SHARE
+    from latolato.experiment.tracking.body import ROUND, SHARE
     from latolato.experiment.video import Limits
     from latolato.simulation.summary import plain
 
