@@ -14,7 +14,7 @@ from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.fits import posterior
 from latolato.experiment.fits.model import described
-from latolato.experiment.fits.posterior import Density, _Scale, fit_posterior
+from latolato.experiment.fits.posterior import Density, _Scales, fit_posterior
 from latolato.experiment.fits.result import Fit, load_fit
 from latolato.experiment.track_table import write_table
 from latolato.physics.pendulum import systems
@@ -53,9 +53,7 @@ def test_the_gradient_is_that_of_the_density(case):
     prior = {"length": 1e-3} if unknown is None or "length" in unknown else None
     if isinstance(system, ll.BallPair):
         prior = None
-    density = Density.about(
-        described(table, system, drive, unknown, prior=prior, fits_pivot=True, **ALL)
-    )
+    density = Density(described(table, system, drive, unknown, prior=prior, fits_pivot=True, **ALL))
     for seed in range(3):
         q = np.random.default_rng(seed).normal(size=len(density.names))
         value, gradient = density(q)
@@ -67,18 +65,21 @@ def test_the_gradient_is_that_of_the_density(case):
 
 
 def test_numbers_without_bounds_stand_for_all_in_a_range():
-    for low, high in ((0.0, math.inf), (-math.inf, 1.0), (0.0, 1.0), (-math.inf, math.inf)):
-        scale = _Scale(low, high)
-        for u in (-30.0, -2.0, 0.3, 4.0):
-            value, slope, log, slope_of_log = scale.inside(u)
-            above, below = (scale.inside(u + e) for e in (1e-5, -1e-5))
-            assert low <= value <= high
-            assert slope == pytest.approx((above[0] - below[0]) / 2e-5, rel=1e-4, abs=1e-9)
-            assert log == pytest.approx(math.log(abs(slope)), abs=1e-9)
-            assert slope_of_log == pytest.approx((above[2] - below[2]) / 2e-5, abs=1e-4)
-    at, width = _Scale(0.0, 1.0).outside(1.0, 0.1)
-    assert 0.9 < _Scale(0.0, 1.0).inside(at)[0] < 1.0
-    assert width <= 1.0
+    low, high = np.array([0.0, 0.0, -math.inf]), np.array([math.inf, 1.0, math.inf])
+    scales = _Scales(low, high)
+    for u in (-30.0, -2.0, 0.3, 4.0):
+        values, slopes, logs, slopes_of_logs = scales.inside(np.full(3, u))
+        above, below = (scales.inside(np.full(3, u + e)) for e in (1e-5, -1e-5))
+        assert ((low <= values) & (values <= high)).all()
+        assert slopes == pytest.approx((above[0] - below[0]) / 2e-5, rel=1e-4, abs=1e-9)
+        assert logs == pytest.approx(np.log(slopes), abs=1e-9)
+        assert slopes_of_logs == pytest.approx((above[2] - below[2]) / 2e-5, abs=1e-4)
+        again, widths = scales.outside(values, 1e-20 * slopes)
+        assert again == pytest.approx(np.full(3, u), rel=1e-6)
+        assert widths == pytest.approx([1e-20, 1e-20, 1e-20 * slopes[2]])
+    at, widths = scales.outside(np.array([0.0, 1.0, 0.0]), np.full(3, 0.1))
+    assert scales.inside(at)[0] == pytest.approx([0.05, 0.95, 0.0])
+    assert (widths <= 1.0).all()
 
 
 @pytest.fixture(scope="module")
