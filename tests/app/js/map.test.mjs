@@ -5,6 +5,7 @@ import test from "node:test";
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
+import { KnownMaps } from "../../../src/latolato/app/static/js/map/known.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
 import { ended, misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
@@ -53,6 +54,29 @@ test("a coarse point colours its neighbours until they have their own", () => {
   found.put(cells([10], [2], [9]));
   assert.equal(found.values[0][5], 8);
   assert.equal(found.values[0][10], 9);
+});
+
+test("a map begins with the points that it shares with those before", () => {
+  const plan = (x, parameters = {}) => ({ x: { name: "x", values: x }, y: { name: "y", values: [0, 1, 2] }, parameters });
+  const known = new KnownMaps();
+  const old = grid(4, 3);
+  old.put(cells([0, 5, 6, 11], [1, 1, 1, 1], [1, 2, 3, 4]));
+  known.add(old, plan(old.x));
+  const again = (first, parameters) => {
+    const map = grid(4, 3);
+    map.x = map.x.map((value) => value + first);
+    known.add(map, plan(map.x, parameters));
+    return [...map.values[0]].filter((_, cell) => map.isKnown(cell));
+  };
+  assert.deepEqual(again(0), [1, 2, 3, 4]);
+  // Moved by one column, up to rounding.
+  assert.deepEqual(again(1 + 1e-9), [2, 3, 4]);
+  assert.deepEqual(again(0.5), []);
+  assert.deepEqual(again(0, { length: 1 }), []);
+  // Kicks are those of a cell's number.
+  known.add(old, plan(old.x, { noise_strength: 1 }));
+  assert.deepEqual(again(0, { noise_strength: 1 }), [1, 2, 3, 4]);
+  assert.deepEqual(again(1, { noise_strength: 1 }), []);
 });
 
 test("a map moves by whole cells inside of what is allowed", () => {

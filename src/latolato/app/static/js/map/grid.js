@@ -73,7 +73,11 @@ export class Grid {
     this.stride = new Uint8Array(count).fill(NOT_YET);
     /** How many cells have their own point. */
     this.done = 0;
-    this.complete = false;
+  }
+
+  /** Return whether a cell has its own point. @param {number} at */
+  isKnown(at) {
+    return this.stride[at] === 1;
   }
 
   /**
@@ -95,7 +99,7 @@ export class Grid {
         for (let c = Math.max(0, middleColumn - half); c < right; c += 1) {
           const at = r * this.width + c;
           const own = at === cell[i];
-          if (own && this.stride[at] !== 1) this.done += 1;
+          if (own && !this.isKnown(at)) this.done += 1;
           if (!own && this.stride[at] <= s) continue;
           this.stride[at] = own ? 1 : s;
           this.status[at] = status[i];
@@ -125,7 +129,7 @@ export class Grid {
     const status = this.status[at];
     const value = this.values[k]?.[at] ?? NaN;
     const name = this.about.statuses?.[status] ?? "";
-    const exact = this.stride[at] === 1;
+    const exact = this.isKnown(at);
     if (status === NOT_YET) return { value: NaN, why: "notYet", status: "", exact };
     if (status >= FIRST_BAD) return { value: NaN, why: "noAnswer", status: name, exact };
     return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };

@@ -176,7 +176,7 @@ export class Over {
     const { grid, chart, controls } = this.view;
     const question = this.question();
     const isLater = this.view.growing();
-    const text = JSON.stringify([question, isLater, grid?.done, grid?.complete]);
+    const text = JSON.stringify([question, isLater, grid?.done]);
     if (text === this.drawn && grid === this.drawnOn) return;
     [this.drawn, this.drawnOn] = [text, grid];
     /** @type {string[]} */

@@ -39,7 +39,7 @@ export function csvOf(question, grid) {
   const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
   if (several)
     throw new InputError(t("refuseTable", { name: Object.keys(layout.observables[several.name].widths)[0] }));
-  const own = grid.status.map((status, cell) => (grid.stride[cell] === 1 ? status : NOT_YET));
+  const own = grid.status.map((status, cell) => (grid.isKnown(cell) ? status : NOT_YET));
   const missing = own.filter((status) => status === NOT_YET).length;
   const { width } = grid;
   /** @type {{name: string, unit: string, label: string, units?: {name: string}[], at: (cell: number) => number}[]} */

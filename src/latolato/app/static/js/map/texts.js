@@ -108,25 +108,14 @@ export function legend(grid, { variable: k, log }, { lines, curves, trials, cont
  * Return the summary of a map that has come to its end: its points, those that are new or missing,
  * and how many a finer one has.
  * @param {Grid} grid
- * @param {import("./pool.js").Progress} done
- * @param {number} all points that were to be computed
+ * @param {import("./pool.js").Progress} [progress] of a map that was computed
  */
-export function doneText(grid, done, all) {
+export function doneText(grid, { points, seconds, rate } = { points: 0, seconds: 0, rate: 0, share: 1 }) {
   const whole = grid.width * grid.height;
-  const said = pointsText(grid, done, all);
-  if (all === whole) return said;
-  return `${said}. ${t("mapWhole", { whole })}`;
-}
-
-/**
- * @param {Grid} grid
- * @param {import("./pool.js").Progress} done
- * @param {number} all points that were to be computed
- */
-function pointsText(grid, { points, seconds, rate }, all) {
+  const all = grid.done;
   const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
-  if (!points) return t("mapKnown", { points: all });
-  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
-    rate: Math.round(rate) });
+  const text = points ? t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
+    rate: Math.round(rate) }) : t("mapKnown", { points: all });
+  return all === whole ? text : `${text}. ${t("mapWhole", { whole })}`;
 }

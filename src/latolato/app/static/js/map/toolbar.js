@@ -5,8 +5,7 @@ import { t } from "../strings.js";
 
 /** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} ToolbarActions */
 
-const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", coarse: "mapFiner",
-  done: "mapAgain" };
+const STATES = { busy: "stop", stopped: "mapGoOn", coarse: "mapFiner", done: "mapAgain" };
 
 export class Toolbar {
   /** @param {ToolbarActions} actions */
@@ -52,8 +51,7 @@ export class Toolbar {
   }
 
   /**
-   * Show what the first button does: stop, go on, begin what takes long, compute all points, or
-   * compute once more.
+   * Show what the first button does: stop, go on, compute all points, or compute once more.
    * @param {keyof typeof STATES} state
    */
   state(state) {

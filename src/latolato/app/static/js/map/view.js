@@ -16,10 +16,12 @@ import { MapChart } from "./chart.js";
 import { lookOf } from "./colours.js";
 import { MapControls } from "./controls.js";
 import { Cursor, PointPanel } from "./cursor.js";
+import { beginOf, choicesOf } from "./about.js";
 import { MapFiles } from "./exports.js";
 import { Grid } from "./grid.js";
 import { followHand } from "./pointer.js";
-import { PageJob, StoredJob } from "./job.js";
+import { KnownMaps } from "./known.js";
+import { ownMap, storedMap } from "./open.js";
 import { contourVariable, Over } from "./over.js";
 import { Pool } from "./pool.js";
 import { doneText, legend } from "./texts.js";
@@ -27,7 +29,7 @@ import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
-/** @typedef {import("./pool.js").Progress} Progress */
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
 // Changes of a slider become one request.
 const PATIENCE = 120; // ms
@@ -38,23 +40,19 @@ export class MapView {
     this.page = page;
     this.pool = new Pool();
     void this.pool.warm("lanes");
-    /** @type {PageJob | StoredJob | null} */
-    this.job = null;
+    this.known = new KnownMaps();
+    /** Ends the map on its way. @type {AbortController | null} */
+    this.run = null;
     /** @type {Record<string, any>} what the map on show answers, and its question if it is computed */
     this.request = {};
-    /** @type {import("./question.js").MapQuestion | null} */
+    /** @type {MapQuestion | null} */
     this.question = null;
-    /** @type {import("./pool.js").Estimate | undefined} */
-    this.estimate = undefined;
     /** @type {Grid | null} */
     this.grid = null;
-    /** @type {Grid | null} what a map that has just begun will show */
-    this.next = null;
     /** @type {any} */
     this.choices = null;
-    this.wanted = "";
-    /** A map that may take long, as the user said. */
-    this.agreed = "";
+    /** The last request of a map, null if it was refused or stopped. @type {Record<string, any> | null} */
+    this.asked = null;
     this.timer = 0;
     this.shown = false;
     this.over = new Over(this);
@@ -127,9 +125,8 @@ export class MapView {
     for (const release of this.releases.splice(0)) release();
     this.point.preview.rest();
     this.files.stop();
-    if (this.grid?.complete && !this.next) return;
+    if (this.run) this.asked = null;
     this.stop();
-    this.wanted = "";
   }
 
   /** Return a picture of the map, null before there is one. */
@@ -154,44 +151,80 @@ export class MapView {
     this.parameters.hidden = source.stored !== null;
     this.tools.show(source.stored !== null);
     const request = requestOf(registry, store.state);
-    const has = this.grid && (!request.observable || this.grid.variable(request.observable) >= 0);
-    const comes = this.job && !this.job.ended && request.observable === this.job.request.observable;
-    if (sameBut(request) === this.wanted && (has || comes)) {
+    const { asked } = this;
+    const has = !request.observable || (this.grid?.variable(request.observable) ?? -1) >= 0;
+    const comes = this.run && request.observable === asked?.observable;
+    if (asked && sameBut(request) === sameBut(asked) && (has || comes)) {
       if (this.choices && request.observable) this.choices.observable = request.observable;
       this.repaint();
       return;
     }
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => this.compute(request), now ? 0 : PATIENCE);
+    this.timer = window.setTimeout(() => void this.open(request), now ? 0 : PATIENCE);
   }
 
   /**
    * Compute a map, or open a stored one; the picture of the one before pales until there is another.
    * @param {Record<string, any>} request
    */
-  compute(request) {
+  async open(request) {
     this.stop();
     if (!this.shown) return;
-    this.wanted = sameBut(request);
+    const { signal } = this.run = new AbortController();
+    this.asked = request;
     this.tools.showProgress(t("mapBegins"), 0);
+    this.tools.state("busy");
     this.page.messages.drop("map");
     this.controls.refuse(null);
     this.veil(this.grid !== null);
-    /** @type {import("./job.js").JobListener} */
-    const listener = {
-      choices: (choices) => this.takeChoices(choices), begin: (begin) => this.begin(new Grid(begin)),
-      asks: (minutes) => this.askFirst(minutes),
-      cells: (cells, progress) => this.take(cells, progress), done: (progress) => this.finish(progress),
-      restarted: (message) => this.sayRestart(message), refused: (error) => this.refuse(error),
-    };
-    const { registry } = this.page;
-    this.tools.state("busy");
-    if (request.stored && !registry.server) {
-      this.refuse(new Error(t("mapStoredProgram")));
-      return;
+    try {
+      await (request.stored ? this.openStored(request, signal) : this.compute(/** @type {any} */ (request), signal));
+    } catch (error) {
+      if (signal.aborted) return;
+      this.run = null;
+      this.refuse(/** @type {Error} */ (error));
     }
-    this.job = request.stored ? new StoredJob(registry, request, listener)
-      : new PageJob(registry, this.pool, /** @type {any} */ (request), this.agreed === this.wanted, listener);
+  }
+
+  /**
+   * @param {Record<string, any>} request
+   * @param {AbortSignal} signal
+   */
+  async openStored(request, signal) {
+    const { registry } = this.page;
+    if (!registry.server) throw new Error(t("mapStoredProgram"));
+    const grid = await storedMap(registry, request, signal);
+    this.controls.showStored(grid.about);
+    this.begin(grid.about);
+    this.change(grid, request, null);
+    this.finish(grid);
+  }
+
+  /**
+   * @param {import("./question.js").MapRequest} request
+   * @param {AbortSignal} signal
+   */
+  async compute(request, signal) {
+    const { question, estimate } = await ownMap(this.page.registry, this.pool, request, (chosen) => {
+      signal.throwIfAborted();
+      this.takeChoices(choicesOf(chosen));
+    });
+    signal.throwIfAborted();
+    const grid = new Grid(beginOf(question));
+    this.begin(grid.about);
+    this.known.add(grid, question.plan);
+    if (grid.done) this.change(grid, request, question);
+    const progress = await this.pool.compute(question.plan, estimate, {
+      stride: request.stride, isKnown: (cell) => grid.isKnown(cell),
+      onCells: (cells, { rate, share }) => {
+        grid.put(cells);
+        this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share), rate: Math.round(rate) }), share);
+        this.change(grid, request, question);
+      },
+      onRestart: (message) => this.page.messages.show("map", t("mapRestarted", { message }), { stays: true }),
+    });
+    signal.throwIfAborted();
+    this.finish(grid, progress);
   }
 
   /**
@@ -204,23 +237,9 @@ export class MapView {
     this.chart.draw();
   }
 
-  /**
-   * Say how long a map takes, and wait for consent.
-   * @param {number} minutes
-   */
-  askFirst(minutes) {
-    this.tools.showProgress(t("mapLong", { count: minutes }), 0);
-    this.tools.state("asks");
-  }
-
-  /** @param {string} message */
-  sayRestart(message) {
-    this.page.messages.show("map", t("mapRestarted", { message }), { stays: true });
-  }
-
   /** Return whether a map is on its way. */
   growing() {
-    return this.job !== null && !this.job.ended;
+    return this.run !== null;
   }
 
   /** @param {import("./about.js").Choices} choices */
@@ -231,55 +250,41 @@ export class MapView {
     this.form.show(choices.options);
   }
 
-  /** @param {Grid} grid */
-  begin(grid) {
+  /** @param {Grid["about"]} about */
+  begin({ python, command }) {
     this.form.error(null);
-    this.next = grid;
-    this.code.replaceChildren(...codeBlocks([grid.about.python, grid.about.command]));
-    if (grid.about.stored) this.controls.showStored(grid.about);
-  }
-
-  /** Put the map that has begun in the place of the one on show. */
-  change() {
-    if (!this.next) return;
-    this.grid = this.chart.grid = this.next;
-    this.next = null;
-    const { job } = this;
-    this.request = job?.request ?? {};
-    this.question = job?.question ?? null;
-    this.estimate = job instanceof PageJob ? job.estimate : undefined;
-    this.chart.contours = [];
-    this.chart.isOld = false;
-    this.root.classList.remove("old");
-    this.cursor.restore();
-    this.over.place();
+    this.code.replaceChildren(...codeBlocks([python, command]));
   }
 
   /**
-   * @param {import("./grid.js").Cells} cells
-   * @param {Progress} progress
+   * Show the cells of a map; the first ones put it in the place of the one on show.
+   * @param {Grid} grid
+   * @param {Record<string, any>} request
+   * @param {MapQuestion | null} question
    */
-  take(cells, { rate }) {
-    this.change();
-    const grid = /** @type {Grid} */ (this.grid);
-    grid.put(cells);
-    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
-    const share = Math.min(grid.done / count, 1);
-    if (rate > 0)
-      this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share),
-        rate: Math.round(rate) }), share);
+  change(grid, request, question) {
+    if (grid !== this.grid) {
+      this.grid = this.chart.grid = grid;
+      this.request = request;
+      this.question = question;
+      this.chart.contours = [];
+      this.chart.isOld = false;
+      this.root.classList.remove("old");
+      this.cursor.restore();
+      this.over.place();
+    }
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
   }
 
-  /** @param {Progress} progress */
-  finish(progress) {
-    this.change();
-    const grid = /** @type {Grid} */ (this.grid);
-    grid.complete = true;
-    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
-    this.tools.showProgress(doneText(grid, progress, count), 1);
-    this.tools.state(count < grid.width * grid.height ? "coarse" : "done");
+  /**
+   * @param {Grid} grid
+   * @param {import("./pool.js").Progress} [progress] of a map that was computed
+   */
+  finish(grid, progress) {
+    this.run = null;
+    this.tools.showProgress(doneText(grid, progress), 1);
+    this.tools.state(grid.done < grid.width * grid.height ? "coarse" : "done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
     this.root.dataset.done = String(Number(this.root.dataset.done ?? 0) + 1);
@@ -296,7 +301,7 @@ export class MapView {
     this.page.messages.show("map", said,
       { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
-    this.wanted = "";
+    this.asked = null;
     if (field && this.form.fields.has(field)) this.form.error(text, field);
     this.tools.showProgress("", 0);
     this.tools.state("done");
@@ -304,27 +309,20 @@ export class MapView {
 
   stop() {
     clearTimeout(this.timer);
-    if (this.job && !this.job.ended) this.job.cancel();
-    this.job = null;
-    this.next = null;
+    this.run?.abort();
+    this.run = null;
+    this.pool.stop();
   }
 
   stopOrGo() {
-    if (this.tools.now === "asks") {
-      this.agreed = this.wanted;
-      this.tools.showProgress(t("mapBegins"), 0);
-      this.tools.state("busy");
-      this.job?.start();
-    } else if (this.tools.now === "coarse") {
-      this.agreed = sameBut({ ...this.request, stride: 1 });
-      this.controls.keep({ size: USUAL_SIZE });
-    } else if (this.growing()) {
+    if (this.tools.now === "coarse") this.controls.keep({ size: USUAL_SIZE });
+    else if (this.run) {
       this.stop();
       this.tools.showProgress(t("mapStopped"));
       this.tools.state("stopped");
       this.repaint();
     } else {
-      this.wanted = "";
+      this.asked = null;
       this.update(true);
     }
   }
