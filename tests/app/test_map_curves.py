@@ -30,7 +30,9 @@ def open_map(page, query=FIG11):
 
 def wait_for_curves(page, count):
     page.wait_for_function(
-        "(n) => window.latolato.views.map.chart.curves.length === n", arg=count, timeout=PATIENCE
+        "(n) => window.latolato.views.map.over.shownCurves().length === n",
+        arg=count,
+        timeout=PATIENCE,
     )
 
 
@@ -128,8 +130,8 @@ def test_a_click_on_a_curve_opens_its_orbit_in_toy(page):
     # A point of the fold, clicked a few pixels beside it.
     spot = page.evaluate(
         """() => {
-          const { chart } = window.latolato.views.map;
-          const fold = chart.curves.find(({ name }) => name === "fold");
+          const { chart, over } = window.latolato.views.map;
+          const fold = over.shownCurves().find(({ name }) => name === "fold");
           const i = fold.xs.findIndex((x) => x > 1.7);
           const [x, y] = chart.place(fold.xs[i], fold.ys[i]);
           const box = chart.canvas.getBoundingClientRect();
@@ -178,7 +180,7 @@ def test_keys_walk_along_a_curve_and_a_cell_opens_as_before(page):
         field.press(key)
         crosses.append(page.evaluate("() => window.latolato.views.map.chart.cross"))
     on_curve = page.evaluate(
-        """() => window.latolato.views.map.chart.curves.map(({ xs, ys }) =>
+        """() => window.latolato.views.map.over.shownCurves().map(({ xs, ys }) =>
           xs.map((x, i) => [x, ys[i]])).flat()"""
     )
     assert crosses[0] in on_curve
@@ -242,9 +244,9 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
     wait_for_curves(page, 1)
     found = page.evaluate(
         """() => {
-          const { grid, chart, question } = window.latolato.views.map;
-          return { x: [grid.xAxis.name, grid.x[0], grid.x.at(-1)],
-            y: [grid.yAxis.name, grid.y[0], grid.y.at(-1)], kind: chart.curves[0].kind,
+          const { grid, over, question } = window.latolato.views.map;
+          const about = ({ name, values }) => [name, values[0], values.at(-1)];
+          return { x: about(grid.x), y: about(grid.y), kind: over.shownCurves()[0].kind,
             angle: question.options.initial_angle, length: question.options.length };
         }"""
     )

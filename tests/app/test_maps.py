@@ -185,10 +185,9 @@ def test_variables_are_called_what_datasets_call_them(shown):
         for variable in page["about"]["variables"]:
             assert variable["label"] == wanted[variable["name"]].attrs["long_name"], name
             assert variable["unit"] == wanted[variable["name"]].attrs["units"], name
-        for which in ("x", "y"):
-            axis = page["about"][which]
+        for axis in page["sides"].values():
             assert wanted[axis["name"]].attrs["symbol"] == axis["symbol"]
-            np.testing.assert_array_equal(page["sides"][which], wanted[axis["name"]].values)
+            np.testing.assert_array_equal(axis["values"], wanted[axis["name"]].values)
 
 
 @pytest.mark.parametrize(
@@ -333,18 +332,19 @@ def test_an_axis_has_the_usual_end_and_parameter_where_none_is_given():
                          {"y": {"name": "restitution"}})
         ]
     )  # fmt: skip
-    x, y = ended["choices"]["x"], ended["choices"]["y"]
-    assert (x["name"], x["low"], x["high"]) == (
-        "frequency_ratio",
-        1.0,
-        usual["choices"]["x"]["high"],
-    )
+
+    def span(axis):
+        return axis["name"], axis["low"], axis["high"], axis["log"]
+
+    high = usual["sides"]["x"]["high"]
+    assert span(ended["sides"]["x"]) == ("frequency_ratio", 1.0, high, False)
     # Two decades, as a logarithmic axis has to begin with.
-    assert y == {"name": "drive_amplitude", "low": 0.002, "high": 0.2, "log": True}
-    np.testing.assert_allclose(ended["sides"]["y"], np.geomspace(0.002, 0.2, 3), rtol=1e-14)
-    edges = np.array(ended["sides"]["y_edges"])
+    y = ended["sides"]["y"]
+    assert span(y) == ("drive_amplitude", 0.002, 0.2, True)
+    np.testing.assert_allclose(y["values"], np.geomspace(0.002, 0.2, 3), rtol=1e-14)
+    edges = np.array(y["edges"])
     np.testing.assert_allclose(edges[1:] / edges[:-1], 10.0, rtol=1e-12)
-    assert turned["choices"]["y"] == {"name": "restitution", "low": 0.5, "high": 1.0, "log": False}
+    assert span(turned["sides"]["y"]) == ("restitution", 0.5, 1.0, False)
 
 
 def test_what_may_be_chosen_stands_once_with_a_description():

@@ -3,8 +3,8 @@ import { readFileSync } from "node:fs";
 
 import { loadLayout } from "../../src/latolato/app/static/js/kernels/load.js";
 
-import { beginOf, choicesOf } from "../../src/latolato/app/static/js/map/about.js";
-import { Grid } from "../../src/latolato/app/static/js/map/grid.js";
+import { gridOf } from "../../src/latolato/app/static/js/map/about.js";
+import { variedBy } from "../../src/latolato/app/static/js/map/choices.js";
 import { ownMap } from "../../src/latolato/app/static/js/map/open.js";
 import { variablesOf } from "../../src/latolato/app/static/js/map/plan.js";
 import { Pool } from "../../src/latolato/app/static/js/map/pool.js";
@@ -49,11 +49,12 @@ async function shown({ request, run: cell, planned }) {
   const heard = {};
   try {
     const { question, estimate } = await ownMap(registry, pool, request,
-      (chosen) => { heard.choices = choicesOf(chosen); });
-    const begin = beginOf(question);
-    const grid = new Grid(begin);
+      ({ choices, options }) => { heard.choices = { variables: choices,
+        axes: variedBy(registry, options).map((name) => ({ name, ...registry.axes[name] })) }; });
+    const grid = gridOf(question);
     heard.about = grid.about;
-    heard.sides = Object.fromEntries(Object.entries(begin.arrays).map(([name, all]) => [name, [...all]]));
+    heard.sides = Object.fromEntries(["x", "y"].map((which) => [which, { ...grid[which],
+      values: [...grid[which].values], edges: [...grid[which].edges] }]));
     if (planned) return heard;
     await pool.compute(question.plan, estimate, { onCells: (cells) => grid.put(cells) });
     heard.status = [...grid.status];

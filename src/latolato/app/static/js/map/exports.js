@@ -14,6 +14,9 @@ const OWN = ["csv", "screen"];
 /** @type {Record<string, string>} */
 const NAMES = { screen: "mapFile_screen", png: "mapFile_png" };
 const OF_PROGRAM = ["nc", "png", "svg"];
+// What the program calls lines of theory.
+/** @type {Record<string, string>} */
+const THEORY = { tongue: "tongue", lift: "lift_off" };
 
 export class MapFiles {
   /** @param {MapView} view */
@@ -124,9 +127,9 @@ function fileRequestOf({ chart, over, page, question, request }, grid) {
   const contoured = contours && grid.variables[contours.variable];
   const levels = [...new Set(chart.contours.map(({ level }) => level))];
   const map = question ? tablesOf(question) : { stored: request.stored, select: request.select };
-  return { ...map, xlog: grid.xAxis.log, ylog: grid.yAxis.log, observable: name, ball, scale, log, limits,
+  return { ...map, xlog: grid.x.log, ylog: grid.y.log, observable: name, ball, scale, log, limits,
     contours: contoured && levels.length
       ? { observable: contoured.name, ball: contoured.ball, levels } : null,
-    overlays: over.shown().map((line) => line.name), trials: over.trials,
+    overlays: over.shown().flatMap(({ name }) => THEORY[name] ?? []), trials: over.trials,
     curves: over.shownCurves().map((curve) => curve.text) };
 }

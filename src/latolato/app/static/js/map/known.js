@@ -34,7 +34,7 @@ export class KnownMaps {
  * @param {Grid} other
  */
 function takeOver(grid, other) {
-  const [columns, rows] = [placesIn(other.x, grid.x), placesIn(other.y, grid.y)];
+  const [columns, rows] = [placesIn(other.x.values, grid.x.values), placesIn(other.y.values, grid.y.values)];
   const { cells, strides } = inOrder(grid.width, grid.height);
   const from = Array.from(cells, (cell) => {
     const [column, row] = [columns[cell % grid.width], rows[Math.floor(cell / grid.width)]];

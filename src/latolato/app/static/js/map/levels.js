@@ -76,7 +76,7 @@ function powers(first, last) {
 export function linesOf(grid, variable, levels) {
   const stride = completeStride(grid);
   const every = (/** @type {Float64Array} */ values) => values.filter((_, i) => i % stride === 0);
-  const [x, y] = [every(grid.x), every(grid.y)];
+  const [x, y] = [every(grid.x.values), every(grid.y.values)];
   if (Math.min(x.length, y.length) < 2) return { lines: [], tiny: 0 };
   const values = grid.values[variable].filter((_, at) =>
     (at % grid.width) % stride === 0 && Math.floor(at / grid.width) % stride === 0);
@@ -87,8 +87,8 @@ export function linesOf(grid, variable, levels) {
   const isSmall = Math.min(x.length, y.length) < FEW;
   const kept = all.filter(({ xs, ys }) => isSmall || Math.max(extent(xs), extent(ys)) >= TINY);
   return { tiny: all.length - kept.length, lines: kept.map(({ level, xs, ys }) => ({ level,
-    xs: xs.map((place) => valueAt(x, place, Boolean(grid.xAxis.log))),
-    ys: ys.map((place) => valueAt(y, place, Boolean(grid.yAxis.log))) })) };
+    xs: xs.map((place) => valueAt(x, place, grid.x.log)),
+    ys: ys.map((place) => valueAt(y, place, grid.y.log)) })) };
 }
 
 /**

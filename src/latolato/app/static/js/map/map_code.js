@@ -3,7 +3,6 @@
 import { constructor, isUsual, literal } from "../model/run_code.js";
 
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
-/** @typedef {import("./choices.js").Span} Span */
 
 // Options of a run that a sweep does not take, or takes under its own numbers.
 const OF_ONE_RUN = ["times", "samples", "frame", "duration", "tolerance"];
@@ -21,8 +20,8 @@ export function sweepLines(question) {
     `system = ${constructor(registry, systems[options.system], options)}`,
     `drive = ${constructor(registry, drives[options.drive], options)}`,
     "grid = ll.sweep(", "    system, drive,", "    axes={",
-    ...spans(question).map(([span, count]) => `        "${span.name}": np.`
-      + `${span.log ? "geomspace" : "linspace"}(${ends(span).join(", ")}, ${count}),`), "    },",
+    ...[question.y, question.x].map((axis) => `        "${axis.name}": np.`
+      + `${axis.log ? "geomspace" : "linspace"}(${ends(axis).join(", ")}, ${axis.values.length}),`), "    },",
     `    observables=[${watched.map((each) => inPython(question, each)).join(", ")}],`];
   for (const [name, value] of given(question, "run")) {
     if (laws[options.contact]?.options.includes(name)) continue;
@@ -59,10 +58,9 @@ export function sweepCommand(question) {
     if (value !== true) words.push([value].flat().join(", "));
   }
   for (const [name, value] of numbers(question)) words.push(flag(name), value);
-  for (const [span, count] of spans(question)) {
-    const { unit } = registry.axes[span.name];
-    const tail = `${span.log ? " log" : ""}${unit === "1" ? "" : ` ${unit}`}`;
-    words.push("--axis", `${span.name} = ${ends(span).join(" : ")} : ${count}${tail}`);
+  for (const axis of [question.y, question.x]) {
+    const tail = `${axis.log ? " log" : ""}${axis.unit === "1" ? "" : ` ${axis.unit}`}`;
+    words.push("--axis", `${axis.name} = ${ends(axis).join(" : ")} : ${axis.values.length}${tail}`);
   }
   for (const each of watched) {
     const own = changed(question, each).map(([name, value]) => `${name} = ${value}`);
@@ -71,16 +69,7 @@ export function sweepCommand(question) {
   return words.map((word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word}'`)).join(" ");
 }
 
-/**
- * Return both axes with their numbers of points, the one upwards first.
- * @param {MapQuestion} question
- * @returns {[Span, number][]}
- */
-function spans({ x, y, request: { width, height } }) {
-  return [[y, height], [x, width]];
-}
-
-/** @param {Span} span */
+/** @param {import("./choices.js").Span} axis */
 function ends({ low, high }) {
   return [low, high].map((end) => literal(/** @type {any} */ (NUMBER), end));
 }

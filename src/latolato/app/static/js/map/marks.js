@@ -4,7 +4,6 @@ import { colour } from "../page/dom.js";
 import { outline } from "../player/canvas.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
-/** @typedef {import("./chart.js").ChartLine} ChartLine */
 /** @typedef {import("./chart.js").Trials} Trials */
 
 const MARK = 5.5;
@@ -22,26 +21,14 @@ const CORNERS = {
 };
 
 /**
- * Draw a curve that shows on dark and on light cells.
+ * Draw a line that shows on dark and on light cells: solid where stable motions end, dashed elsewhere, with
+ * its special points.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
- * @param {ChartLine} line
+ * @param {import("./curves.js").Line} line
  * @param {number} ratio
  */
-export function drawLine(chart, context, { xs, ys, dashed }, ratio) {
-  const path = new Path2D();
-  addLine(chart, path, xs, ys, 0, xs.length);
-  outline(context, path, [DARK, 3.6 * ratio], [LIGHT, 1.8 * ratio, dashed ? [7 * ratio, 4 * ratio] : []]);
-}
-
-/**
- * Draw a curve of bifurcations: solid where stable motions end, dashed elsewhere, with its special points.
- * @param {MapChart} chart
- * @param {CanvasRenderingContext2D} context
- * @param {import("./curves.js").PlacedCurve} curve
- * @param {number} ratio
- */
-export function drawCurve(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {
+export function drawLine(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {
   const [solid, dashed] = [new Path2D(), new Path2D()];
   for (let begin = 0; begin < edges.length;) {
     let end = begin + 1;
@@ -50,9 +37,11 @@ export function drawCurve(chart, context, { xs, ys, edges, colour: paint, marks 
     addLine(chart, edges[begin] ? solid : dashed, xs, ys, begin, Math.min(end + 1, xs.length));
     begin = end;
   }
-  for (const path of [solid, dashed]) outline(context, path, [DARK, 5.6 * ratio], [LIGHT, 4.2 * ratio]);
-  outline(context, solid, [paint, 2.4 * ratio]);
-  outline(context, dashed, [paint, 2.4 * ratio, [6 * ratio, 4 * ratio]]);
+  for (const path of [solid, dashed]) {
+    const dash = path === dashed ? [6 * ratio, 4 * ratio] : [];
+    if (paint) outline(context, path, [DARK, 5.6 * ratio], [LIGHT, 4.2 * ratio], [paint, 2.4 * ratio, dash]);
+    else outline(context, path, [DARK, 3.6 * ratio], [LIGHT, 1.8 * ratio, dash]);
+  }
   for (const { x, y, mark } of marks) {
     const [left, top] = chart.place(x, y);
     const path = new Path2D();

@@ -44,19 +44,21 @@ export async function ownMap(registry, pool, request, choose = () => {}) {
  * @param {AbortSignal} signal
  */
 export async function storedMap(registry, request, signal) {
-  const { about, arrays } = await doJob("ws/map/stored", request, { signal });
+  const { about, arrays } = /** @type {any} */ (await doJob("ws/map/stored", request, { signal }));
   const { options, sets, streams, reason } = /** @type {import("./grid.js").Stored} */ (about.stored);
-  const width = arrays.x.length;
+  const [x, y] = /** @type {const} */ (["x", "y"]).map((which) =>
+    ({ ...about[which], values: arrays[which], edges: arrays[`${which}_edges`] }));
   const valuesAt = (/** @type {"x" | "y"} */ which, /** @type {number} */ at) =>
     Object.fromEntries(Object.entries(sets[which]).map(([name, values]) => [name, values[at]]));
+  const width = x.values.length;
   const optionsOf = (/** @type {number} */ cell) => {
     if (!options) throw new InputError(reason);
-    const [x, y] = [cell % width, Math.floor(cell / width)];
-    const own = streams ? { noise_stream: streams.x[x] + streams.y[y] } : {};
+    const [column, row] = [cell % width, Math.floor(cell / width)];
+    const own = streams ? { noise_stream: streams.x[column] + streams.y[row] } : {};
     return optionsAt(registry, { ...options, ...own },
-      { ...sets.all, ...valuesAt("x", x), ...valuesAt("y", y) });
+      { ...sets.all, ...valuesAt("x", column), ...valuesAt("y", row) });
   };
-  const grid = new Grid(/** @type {any} */ ({ about, arrays, optionsOf }));
+  const grid = new Grid(about, x, y, optionsOf);
   const count = arrays.status.length;
   grid.put({ cell: Int32Array.from({ length: count }, (_, i) => i), stride: new Uint8Array(count).fill(1),
     status: Uint8Array.from(arrays.status, (each) => each), values: [arrays.values] });

@@ -13,6 +13,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./choices.js").Span} Span */
+/** @typedef {import("./grid.js").Axis & Span} Axis */
 
 /**
  * What a page asks for; null leaves the choice to what the scenario says. With a stride, only every
@@ -24,7 +25,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
  * A map that can be computed: every option of its runs in SI units, its axes and their values, what
  * is gathered and which variable of that is shown.
  * @typedef {{registry: Registry, layout: Layout, request: MapRequest, options: Record<string, any>,
- *   sweep: any, title: string, x: Span, y: Span, watched: import("./choices.js").Watched[],
+ *   title: string, x: Axis, y: Axis, watched: import("./choices.js").Watched[],
  *   shown: string, choices: import("./choices.js").Choice[], duration: number, transient: number,
  *   periods: number, plan: import("./plan.js").Plan}} MapQuestion
  */
@@ -78,7 +79,8 @@ export async function questionOf(registry, layout, request) {
   const { duration, transient, periods } = timesOf(registry, layout, request, options, sweep);
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
-  const [x, y] = spansOf(registry, origin, [askedX, askedY]);
+  const [x, y] = spansOf(registry, origin, [askedX, askedY])
+    .map((span, k) => axisOf(registry, span, k ? request.height : request.width));
   checkVaried(registry, system, drive, [x, y]);
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
   for (const { name } of watched)
@@ -102,19 +104,18 @@ export async function questionOf(registry, layout, request) {
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
       is_linear: Number(system.linear), collides: Number(system.contacts && law.contact !== "none") },
-    x: { name: x.name, values: valuesOf(x, request.width) },
-    y: { name: y.name, values: valuesOf(y, request.height) },
+    x: { name: x.name, values: x.values }, y: { name: y.name, values: y.values },
     observables: watched.map(({ name, parameters }) => ({ name, parameters: Object.fromEntries(
       Object.entries(parameters).map(([key, value]) => [key, Number(value)])) })),
     duration, transient, transient_periods: periods,
     contact: /** @type {"exact" | "clamp"} */ (law.clampStep ? "clamp" : "exact"),
     contact_limit: number("contact_limit"),
   };
-  for (const { name, values } of [plan.y, plan.x])
+  for (const { name, values } of [y, x])
     if (registry.options[name]?.whole)
       for (const value of values) checkedNumber(registry.options[name], name, value);
-  return { registry, layout, request, options, sweep, title: preset?.title ?? "", x, y, watched, shown,
-    choices, duration, transient, periods, plan };
+  return { registry, layout, request, options, title: preset?.title ?? "", x, y, watched, shown, choices,
+    duration, transient, periods, plan };
 }
 
 /** @param {MapRequest} request */
@@ -226,11 +227,24 @@ function checkWatched(registry, layout, watched, drive, contact) {
 }
 
 /**
+ * Return an axis with its cells.
+ * @param {Registry} registry
+ * @param {Span} span
+ * @param {number} count of the cells
+ * @returns {Axis}
+ */
+function axisOf({ axes }, span, count) {
+  const { label, symbol, unit, units, low, high } = axes[span.name];
+  const values = valuesOf(span, count);
+  return { ...span, label, symbol, unit, units, allowed: [low, high], values, edges: edgesOf(values, span.log) };
+}
+
+/**
  * Return the values at the middles of the cells, both ends included.
  * @param {Span} span
  * @param {number} count
  */
-export function valuesOf({ low, high, log }, count) {
+function valuesOf({ low, high, log }, count) {
   const [first, last] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
   const step = (last - first) / (count - 1);
   const values = Float64Array.from({ length: count }, (_, i) => i * step + first);
@@ -245,7 +259,7 @@ export function valuesOf({ low, high, log }, count) {
  * @param {Float64Array} values
  * @param {boolean} log
  */
-export function edgesOf(values, log) {
+function edgesOf(values, log) {
   const along = log ? values.map(Math.log) : values;
   const last = along.length - 1;
   const edges = Float64Array.from({ length: last + 2 }, (_, i) => {

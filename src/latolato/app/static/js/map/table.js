@@ -35,7 +35,7 @@ export function tablesOf({ registry, options, x, y, plan, watched, duration, tra
  * @returns {string}
  */
 export function csvOf(question, grid) {
-  const { registry, layout, plan, watched } = question;
+  const { registry, layout, watched } = question;
   const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
   if (several)
     throw new InputError(t("refuseTable", { name: Object.keys(layout.observables[several.name].widths)[0] }));
@@ -44,8 +44,8 @@ export function csvOf(question, grid) {
   const { width } = grid;
   /** @type {{name: string, unit: string, label: string, units?: {name: string}[], at: (cell: number) => number}[]} */
   const columns = [
-    { ...grid.yAxis, at: (cell) => plan.y.values[Math.floor(cell / width)] },
-    { ...grid.xAxis, at: (cell) => plan.x.values[cell % width] },
+    { ...grid.y, at: (cell) => grid.y.values[Math.floor(cell / width)] },
+    { ...grid.x, at: (cell) => grid.x.values[cell % width] },
     ...grid.variables.map((variable, k) => ({ ...variable,
       name: variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
       at: (/** @type {number} */ cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]) })),

@@ -30,7 +30,7 @@ export function withUnit(about, value) {
 
 /**
  * Return a parameter and its value.
- * @param {import("./grid.js").Axis} axis
+ * @param {Pick<import("./grid.js").Axis, "symbol" | "label" | "units">} axis
  * @param {number} value in SI units
  */
 export function withName(axis, value) {
@@ -53,7 +53,7 @@ export function cellText(grid, cell, k) {
   else if (variable.words) words = wordOf(variable, value);
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
   const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
-  return [withName(grid.xAxis, grid.x[column]), withName(grid.yAxis, grid.y[line]),
+  return [withName(grid.x, grid.x.values[column]), withName(grid.y, grid.y.values[line]),
     `${variable.label}: ${words}${coarse}`].join(" · ");
 }
 
@@ -67,14 +67,12 @@ export function kindText(label, isEdge) {
 }
 
 /**
- * Return the entries that explain colours of classes, cells without an answer, zeros, curves,
- * trials and contour lines.
+ * Return the entries that explain colours of classes, cells without an answer, zeros, lines, trials and contour lines.
  * @param {Grid} grid
  * @param {import("./chart.js").Look} look
- * @param {{lines: {name: string}[], curves: import("./curves.js").PlacedCurve[], trials: boolean,
- *   contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
+ * @param {{lines: import("./curves.js").Line[], trials: boolean, contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
  */
-export function legend(grid, { variable: k, log }, { lines, curves, trials, contours, registry }) {
+export function legend(grid, { variable: k, log }, { lines, trials, contours, registry }) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
     const key = el("span", { class: "swatch" });
     key.style.background = paint;
@@ -86,15 +84,13 @@ export function legend(grid, { variable: k, log }, { lines, curves, trials, cont
     ...classesOf(grid, k).classes.map(([text, paint]) => entry(text, paint)),
     ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
     ...(zeros ? [entry(t("mapZero", { count: zeros }), "var(--paper)")] : []),
-    ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
-      t(name === "tongue" ? "mapTongue" : "mapLift"))),
-    ...curves.flatMap((curve) => [true, false].filter((isEdge) => curve.edges.includes(isEdge)).map((isEdge) => {
-      const key = el("span", { class: "curve-key bifurcation" });
-      key.style.borderTopColor = curve.colour;
+    ...lines.flatMap(({ label, colour, edges }) => [true, false].filter((isEdge) => edges.includes(isEdge)).map((isEdge) => {
+      const key = el("span", { class: colour ? "curve-key bifurcation" : "curve-key" });
+      key.style.borderTopColor = colour;
       key.style.borderTopStyle = isEdge ? "solid" : "dashed";
-      return el("li", {}, key, kindText(curve.label, isEdge));
+      return el("li", {}, key, colour ? kindText(label, isEdge) : label);
     })),
-    ...[...new Set(curves.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
+    ...[...new Set(lines.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
       el("span", { class: "trial", "aria-hidden": "true" }, MARKS[registry.curves.marks[kind]?.mark] ?? "●"),
       tr(registry.curves.marks[kind]?.label ?? kind))),
     ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),

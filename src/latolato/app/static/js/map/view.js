@@ -16,9 +16,8 @@ import { MapChart } from "./chart.js";
 import { lookOf } from "./colours.js";
 import { MapControls } from "./controls.js";
 import { Cursor, PointPanel } from "./cursor.js";
-import { beginOf, choicesOf } from "./about.js";
+import { gridOf } from "./about.js";
 import { MapFiles } from "./exports.js";
-import { Grid } from "./grid.js";
 import { followHand } from "./pointer.js";
 import { KnownMaps } from "./known.js";
 import { ownMap, storedMap } from "./open.js";
@@ -47,10 +46,8 @@ export class MapView {
     this.request = {};
     /** @type {MapQuestion | null} */
     this.question = null;
-    /** @type {Grid | null} */
+    /** @type {import("./grid.js").Grid | null} */
     this.grid = null;
-    /** @type {any} */
-    this.choices = null;
     /** The last request of a map, null if it was refused or stopped. @type {Record<string, any> | null} */
     this.asked = null;
     this.timer = 0;
@@ -155,7 +152,6 @@ export class MapView {
     const has = !request.observable || (this.grid?.variable(request.observable) ?? -1) >= 0;
     const comes = this.run && request.observable === asked?.observable;
     if (asked && sameBut(request) === sameBut(asked) && (has || comes)) {
-      if (this.choices && request.observable) this.choices.observable = request.observable;
       this.repaint();
       return;
     }
@@ -194,7 +190,7 @@ export class MapView {
     const { registry } = this.page;
     if (!registry.server) throw new Error(t("mapStoredProgram"));
     const grid = await storedMap(registry, request, signal);
-    this.controls.showStored(grid.about);
+    this.controls.showStored(grid);
     this.begin(grid.about);
     this.change(grid, request, null);
     this.finish(grid);
@@ -207,10 +203,12 @@ export class MapView {
   async compute(request, signal) {
     const { question, estimate } = await ownMap(this.page.registry, this.pool, request, (chosen) => {
       signal.throwIfAborted();
-      this.takeChoices(choicesOf(chosen));
+      this.controls.showChoices(chosen);
+      this.form.varied = new Set([chosen.x.name, chosen.y.name]);
+      this.form.show(chosen.options);
     });
     signal.throwIfAborted();
-    const grid = new Grid(beginOf(question));
+    const grid = gridOf(question);
     this.begin(grid.about);
     this.known.add(grid, question.plan);
     if (grid.done) this.change(grid, request, question);
@@ -242,15 +240,7 @@ export class MapView {
     return this.run !== null;
   }
 
-  /** @param {import("./about.js").Choices} choices */
-  takeChoices(choices) {
-    this.choices = choices;
-    this.controls.showChoices(choices);
-    this.form.varied = new Set([choices.x.name, choices.y.name]);
-    this.form.show(choices.options);
-  }
-
-  /** @param {Grid["about"]} about */
+  /** @param {import("./grid.js").About} about */
   begin({ python, command }) {
     this.form.error(null);
     this.code.replaceChildren(...codeBlocks([python, command]));
@@ -258,7 +248,7 @@ export class MapView {
 
   /**
    * Show the cells of a map; the first ones put it in the place of the one on show.
-   * @param {Grid} grid
+   * @param {import("./grid.js").Grid} grid
    * @param {Record<string, any>} request
    * @param {MapQuestion | null} question
    */
@@ -278,7 +268,7 @@ export class MapView {
   }
 
   /**
-   * @param {Grid} grid
+   * @param {import("./grid.js").Grid} grid
    * @param {import("./pool.js").Progress} [progress] of a map that was computed
    */
   finish(grid, progress) {
@@ -336,14 +326,12 @@ export class MapView {
     const variable = grid.variables[look.variable];
     chart.look = look;
     chart.lines = this.over.shown();
-    chart.curves = this.over.shownCurves();
     this.controls.showLook(grid, look);
     this.controls.over.showChoices(grid, extra, this.over.off());
     this.bar.canvas.hidden = variable.classes.length > 0;
     this.barTitle.textContent = axisLabel(variable);
     this.bar.show(look, sizeOf(variable));
-    this.classes.replaceChildren(...legend(grid, look, { lines: this.over.shown(), curves: chart.curves,
-      trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
+    this.classes.replaceChildren(...legend(grid, look, { lines: chart.lines, trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.describe();
     this.over.contours();
