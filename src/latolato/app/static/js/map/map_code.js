@@ -1,6 +1,6 @@
 /** The lines of Python and of the command line that compute a map again. */
 
-import { constructor, isUsual, literal } from "../model/run_code.js";
+import { constructor, isUsual, literal, runArguments } from "../model/run_code.js";
 
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
@@ -15,7 +15,7 @@ const SIDES = ["right", "left"];
  */
 export function sweepLines(question) {
   const { registry, options, watched } = question;
-  const { systems, drives, contact_laws: laws } = registry;
+  const { systems, drives } = registry;
   const lines = ["import numpy as np", "import latolato as ll", "",
     `system = ${constructor(registry, systems[options.system], options)}`,
     `drive = ${constructor(registry, drives[options.drive], options)}`,
@@ -23,15 +23,8 @@ export function sweepLines(question) {
     ...[question.y, question.x].map((axis) => `        "${axis.name}": np.`
       + `${axis.log ? "geomspace" : "linspace"}(${ends(axis).join(", ")}, ${axis.values.length}),`), "    },",
     `    observables=[${watched.map((each) => inPython(question, each)).join(", ")}],`];
-  for (const [name, value] of given(question, "run")) {
-    if (laws[options.contact]?.options.includes(name)) continue;
-    const isLaw = name === "contact" && laws[value].options.length;
-    lines.push(`    ${name}=${isLaw ? constructor(registry, laws[value], options)
-      : literal(registry.options[name], value)},`);
-  }
-  const noise = given(question, "noise").map(([name, value]) =>
-    `${name}=${literal(registry.options[name], value)}`);
-  if (noise.length) lines.push(`    noise=ll.VelocityKicks(${noise.join(", ")}),`);
+  const run = runArguments(registry, options, setOtherwise(question));
+  lines.push(...run.map((each) => `    ${each},`));
   return [...lines, ...numbers(question).map(([name, value]) => `    ${name}=${value},`), ")"].join("\n");
 }
 
@@ -44,7 +37,10 @@ export function sweepCommand(question) {
   const words = ["latolato", "sweep"];
   const flag = (/** @type {string} */ name) => `--${name.replaceAll("_", "-")}`;
   const varied = [question.x.name, question.y.name];
-  for (const [name, value] of given(question)) {
+  const gone = setOtherwise(question);
+  for (const [name, option] of Object.entries(registry.options)) {
+    const value = options[name];
+    if (gone.includes(name) || isUsual(option, value)) continue;
     const sides = SIDES.map((side) => `${name}_${side}`);
     if (sides.some((each) => varied.includes(each))) {
       // Where one ball's value varies, that of the other one is an axis of one value.
@@ -75,19 +71,12 @@ function ends({ low, high }) {
 }
 
 /**
- * Return the options that are given, in their order, without those that axes set, and with the
- * default of a law left out.
+ * Return the names of options that axes set, or that a sweep does not take.
  * @param {MapQuestion} question
- * @param {string} [owner]
- * @returns {[string, any][]}
  */
-function given({ registry, options, x, y }, owner) {
+function setOtherwise({ registry, x, y }) {
   const varied = [x, y].map(({ name }) => registry.axes[name].sets);
-  const gone = [...OF_ONE_RUN, ...varied, ...(varied.includes("initial_angle") ? ["initial_offset"] : [])];
-  return Object.entries(registry.options)
-    .filter(([name, option]) => (owner === undefined || option.owner === owner)
-      && !isUsual(option, options[name]) && !gone.includes(name))
-    .map(([name]) => /** @type {[string, any]} */ ([name, options[name]]));
+  return [...OF_ONE_RUN, ...varied, ...(varied.includes("initial_angle") ? ["initial_offset"] : [])];
 }
 
 /**

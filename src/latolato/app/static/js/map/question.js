@@ -36,17 +36,6 @@ const USUAL_DURATION = 60; // s
 const SIDES = ["_right", "_left"];
 const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
 
-/** A map that the installed program computes. */
-class BeyondMapError extends InputError {
-  /**
-   * @param {string} kind of what pages do not have
-   * @param {string} name
-   */
-  constructor(kind, name) {
-    super(t("beyondMap", { what: t(`beyond_${kind}`, { name }) }));
-  }
-}
-
 /**
  * Return the map that a page asks for.
  * @param {Registry} registry
@@ -55,8 +44,9 @@ class BeyondMapError extends InputError {
  * @returns {Promise<MapQuestion>}
  */
 export async function questionOf(registry, layout, request) {
-  checkSize(request);
-  const { scenario, x: askedX, y: askedY } = request;
+  const { scenario, x: askedX, y: askedY, width, height } = request;
+  const count = width * height;
+  if (count > MOST_CELLS) throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
   const preset = registry.scenarios[scenario ?? ""];
   const sweep = preset?.sweep ?? null;
   const input = optionsOf(registry, request);
@@ -80,7 +70,7 @@ export async function questionOf(registry, layout, request) {
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
   const [x, y] = spansOf(registry, origin, [askedX, askedY])
-    .map((span, k) => axisOf(registry, span, k ? request.height : request.width));
+    .map((span, k) => axisOf(registry, span, k ? height : width));
   checkVaried(registry, system, drive, [x, y]);
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
   for (const { name } of watched)
@@ -88,9 +78,8 @@ export async function questionOf(registry, layout, request) {
       checkPerturbations(system.suspension,
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
-  if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
-    throw brokenRule("streams", {},
-      { count: request.width * request.height, first: Number(noise.noise_stream) });
+  if (noise && (noise.noise_stream ?? 0) + count > MOST_STREAMS)
+    throw brokenRule("streams", {}, { count, first: Number(noise.noise_stream) });
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
@@ -118,12 +107,6 @@ export async function questionOf(registry, layout, request) {
     duration, transient, periods, plan };
 }
 
-/** @param {MapRequest} request */
-function checkSize({ width, height }) {
-  if (width * height > MOST_CELLS)
-    throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
-}
-
 /**
  * Throw unless pages have the laws of a map and what it shows.
  * @param {Registry} registry
@@ -136,13 +119,16 @@ function checkLaws(registry, layout, options, observable) {
   for (const [part, laws, kind] of /** @type {const} */ ([["system", registry.systems, options.system],
     ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
     if (!Object.hasOwn(laws, kind)) throw unknown(part, String(kind), Object.keys(laws));
-    if (!laws[kind].compiled) throw new BeyondMapError(part.split(" ")[0], kind);
+    if (!laws[kind].compiled) throw beyond(part.split(" ")[0], kind);
   }
   const owners = Object.entries(registry.observables)
     .filter(([, { variables }]) => observable !== null && observable in variables);
   if (owners.length && !owners.some(([name]) => name in layout.observables))
-    throw new BeyondMapError("observable", owners[0][0]);
+    throw beyond("observable", owners[0][0]);
 }
+
+/** @type {(kind: string, name: string) => InputError} what is wrong with a map that the installed program computes */
+const beyond = (kind, name) => new InputError(t("beyondMap", { what: t(`beyond_${kind}`, { name }) }));
 
 /**
  * Throw if the system does not describe some values along the axes.

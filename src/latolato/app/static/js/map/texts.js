@@ -4,15 +4,11 @@ import { el } from "../page/dom.js";
 import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { sizeOf } from "./axes.js";
+import { CLASSES, SIGNS } from "./marks.js";
 import { classesOf, wordOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-
-// Of special points of curves, by matplotlib's names of their marks.
-/** @type {Record<string, string>} */
-const MARKS = { v: "▼", s: "■", D: "◆", p: "⬟", o: "●", "^": "▲", X: "✖" };
-const TRIALS = { none: "●", weak: "▲", strong: "◆" };
 
 // Lines do not break here.
 const GAP = "\u00a0";
@@ -91,12 +87,12 @@ export function legend(grid, { variable: k, log }, { lines, trials, contours, re
       return el("li", {}, key, colour ? kindText(label, isEdge) : label);
     })),
     ...[...new Set(lines.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
-      el("span", { class: "trial", "aria-hidden": "true" }, MARKS[registry.curves.marks[kind]?.mark] ?? "●"),
+      el("span", { class: "trial", "aria-hidden": "true" }, SIGNS[registry.curves.marks[kind]?.mark] ?? SIGNS.o),
       tr(registry.curves.marks[kind]?.label ?? kind))),
     ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),
       t("mapContoursOf", { what: contours.label }))] : []),
-    ...Object.entries(trials ? TRIALS : {}).map(([name, mark]) => el("li", {},
-      el("span", { class: `trial ${name}`, "aria-hidden": "true" }, mark), t(`trial_${name}`))),
+    ...(trials ? CLASSES : []).map((name) => el("li", {},
+      el("span", { class: `trial ${name}`, "aria-hidden": "true" }, SIGNS[name]), t(`trial_${name}`))),
   ];
 }
 

@@ -71,12 +71,12 @@ export class Placing {
   }
 
   /**
-   * Return the drive at values along both axes.
+   * Return the drive at values along both axes, or at another frequency.
    * @param {Record<string, number>} values by the names of the axes
+   * @param {number} [frequency]
    * @returns {TheoryDrive}
    */
-  plain(values) {
-    const frequency = values.drive_frequency ?? values.frequency_ratio * this.naturalFrequency;
+  plain(values, frequency = values.drive_frequency ?? values.frequency_ratio * this.naturalFrequency) {
     const amplitude = values.drive_amplitude
       ?? (values.amplitude_ratio === undefined
         ? values.drive_acceleration_ratio * this.gravity / frequency ** 2
@@ -84,20 +84,15 @@ export class Placing {
     return { amplitude, frequency };
   }
 
-  /** Return the least and the largest frequency of the map [rad/s], above zero. */
-  frequencies() {
-    const { drive_frequency, frequency_ratio } = this.spans;
-    const [slow, fast] = drive_frequency
-      ?? frequency_ratio.map((each) => each * this.naturalFrequency);
-    return [Math.max(slow, SLOWEST * fast), fast];
+  /** Return the first or the last values along both axes. @param {0 | 1} end */
+  corner(end) {
+    return Object.fromEntries(Object.entries(this.spans).map(([name, span]) => [name, span[end]]));
   }
 
-  /** Return the largest amplitude of the map [m]. */
-  largestAmplitude() {
-    const { drive_amplitude, amplitude_ratio, drive_acceleration_ratio } = this.spans;
-    if (drive_amplitude) return drive_amplitude[1];
-    if (amplitude_ratio) return amplitude_ratio[1] * this.length;
-    return drive_acceleration_ratio[1] * this.gravity / this.frequencies()[0] ** 2;
+  /** Return the least and the largest frequency of the map [rad/s], above zero. */
+  frequencies() {
+    const [slow, fast] = /** @type {const} */ ([0, 1]).map((end) => this.plain(this.corner(end)).frequency);
+    return [Math.max(slow, SLOWEST * fast), fast];
   }
 
   /**
@@ -128,7 +123,8 @@ export function tongue(placing) {
     throw brokenRule("tongue", { parameter: "damping" }, { damping, ratio: zeta });
   const edges = (/** @type {number} */ amplitude) => tongueEdges(2 * amplitude / length, zeta);
   const isClosed = (/** @type {number} */ amplitude) => Number.isNaN(edges(amplitude)[0]);
-  const largest = Math.min(placing.largestAmplitude(), CLOSED * length);
+  const { amplitude: most } = placing.plain(placing.corner(1), placing.frequencies()[0]);
+  const largest = Math.min(most, CLOSED * length);
   if (isClosed(largest)) return placing.line("tongue", t("mapTongue"), []);
   const tip = damping > 0 ? changeBetween(isClosed, 0, largest) : 0;
   // Denser near the tip, where a damped tongue is round.
