@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.app.map.files import scenario_of
 from latolato.cli.main import app as command
+from latolato.sweeps.points import make_batch
 from latolato.sweeps.statuses import codes_of
 from map_in_node import views_in_node
 
@@ -63,6 +64,15 @@ KINDS = {
     "clamp": over(
         "toy", "frequency_ratio", ("drive_acceleration_ratio", 0.1, 2.0),
         options={"contact": "clamp"},
+    ),
+    "start and rod": over("fig05_push", ("initial_angle", 0.2, 1.1), ("length", 0.3, 1.2), 5.0),
+    "ends of a chirp": over(
+        "fig02", ("sweep_time", 4.0, 5.0), ("amplitude_ratio", 0.01, 0.05), 5.0, options=CHIRP,
+        observable="lyapunov_exponent",
+    ),
+    "pair": over(
+        "ballpair_asymmetric", "left_mass", ("initial_angular_velocity_left", 0.0, 1.0), 5.0,
+        observable="lyapunov_exponent",
     ),
     "noise": over(
         "toy", ("noise_seed", 0, 6), "noise_strength", options={"noise_strength": 0.02}
@@ -169,6 +179,18 @@ def test_a_map_of_the_page_is_the_sweep_over_the_same_axes(name, shown):
         assert np.all(np.abs(found - one)[regular] < ROUNDING * size[regular]), variable
         compared += np.count_nonzero(regular)
     assert compared >= 0.3 * WIDTH * HEIGHT
+
+
+def test_every_picture_has_more_points_and_steps_are_counted_before(shown):
+    for page in shown.values():
+        assert page["points"] == sorted(set(page["points"]))
+        assert page["points"][-1] == WIDTH * HEIGHT
+    # Of small maps, the points are counted one by one.
+    for name in ("fig05_push", "two balls", "noise", "pair"):
+        plan = scenario_of(shown[name]["tables"]).plan()
+        batch = make_batch(plan, np.arange(plan.size))
+        steps = plan.duration / batch.points.settings["step"][batch.valid]
+        assert shown[name]["steps"] == pytest.approx(steps.sum(), rel=1e-12), name
 
 
 def test_without_simd_a_map_is_the_same_to_the_last_bit(shown):

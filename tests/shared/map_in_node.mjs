@@ -6,7 +6,6 @@ import { loadLayout } from "../../src/latolato/app/static/js/kernels/load.js";
 import { gridOf } from "../../src/latolato/app/static/js/map/about.js";
 import { variedBy } from "../../src/latolato/app/static/js/map/choices.js";
 import { ownMap } from "../../src/latolato/app/static/js/map/open.js";
-import { variablesOf } from "../../src/latolato/app/static/js/map/plan.js";
 import { Pool } from "../../src/latolato/app/static/js/map/pool.js";
 
 import { csvOf, tablesOf } from "../../src/latolato/app/static/js/map/table.js";
@@ -16,33 +15,14 @@ import { run } from "../../src/latolato/app/static/js/model/simulate.js";
 import { PageWorker } from "./page_worker.mjs";
 
 const WORKER = new URL("../../src/latolato/app/static/js/map/map_worker.js", import.meta.url);
-const { plans = [], requests = [], registry, workers, scalar } = JSON.parse(readFileSync(0, "utf8"));
-if (registry) learnRules(registry.rules);
+const { requests, registry, workers, scalar } = JSON.parse(readFileSync(0, "utf8"));
+learnRules(registry.rules);
 // As in a browser that lacks vectors.
 if (scalar) WebAssembly.validate = () => false;
 const layout = await loadLayout();
 const pool = new Pool(workers, () => new PageWorker(WORKER));
 
 const plain = (value) => (Number.isFinite(value) ? value : `${value}`);
-
-/** Return what comes of a map: its cells in order, and when pictures of how many cells came. */
-async function computed(plan) {
-  const count = plan.x.values.length * plan.y.values.length;
-  const variables = variablesOf(layout, plan);
-  const status = new Array(count).fill(null);
-  const values = variables.map(() => new Array(count).fill(null));
-  const pictures = [];
-  const begin = performance.now();
-  const estimate = await pool.estimate(plan);
-  await pool.compute(plan, estimate, { onCells(cells, { points }) {
-    pictures.push({ seconds: (performance.now() - begin) / 1e3, points });
-    cells.cell.forEach((cell, k) => {
-      status[cell] = cells.status[k];
-      cells.values.forEach((row, i) => { values[i][cell] = plain(row[k]); });
-    });
-  } });
-  return { estimate, pictures, status, values, variables };
-}
 
 /** Return what a view shows of a request: the map, its files, the run of a point, or a refusal. */
 async function shown({ request, run: cell, planned }) {
@@ -56,7 +36,12 @@ async function shown({ request, run: cell, planned }) {
     heard.sides = Object.fromEntries(["x", "y"].map((which) => [which, { ...grid[which],
       values: [...grid[which].values], edges: [...grid[which].edges] }]));
     if (planned) return heard;
-    await pool.compute(question.plan, estimate, { onCells: (cells) => grid.put(cells) });
+    heard.steps = estimate.steps;
+    heard.points = [];
+    await pool.compute(question.plan, estimate, { onCells: (cells, { points }) => {
+      grid.put(cells);
+      heard.points.push(points);
+    } });
     heard.status = [...grid.status];
     heard.values = grid.values.map((row) => Array.from(row, plain));
     heard.tables = tablesOf(question);
@@ -79,7 +64,6 @@ async function shown({ request, run: cell, planned }) {
 }
 
 const results = [];
-for (const plan of plans) results.push(await computed(plan));
 for (const each of requests) results.push(await shown(each));
 pool.close();
 process.stdout.write(JSON.stringify(results));

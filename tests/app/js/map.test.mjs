@@ -200,15 +200,12 @@ test("a map of a single row has no contour lines", () => {
 });
 
 test("levels are round in the unit on show", () => {
-  const degrees = roundLevels(0, 3, { name: "deg", size: Math.PI / 180 }, false);
-  assert.deepEqual(degrees.map((level) => Math.round(level * 180 / Math.PI)), [30, 60, 90, 120, 150]);
-  const plain = { name: "", size: 1 };
-  assert.deepEqual(roundLevels(0.03, 2.9, plain, false), [0.5, 1, 1.5, 2, 2.5]);
-  assert.deepEqual(roundLevels(0.1, 0.7, plain, false), [0.2, 0.3, 0.4, 0.5, 0.6]);
-  assert.deepEqual(roundLevels(0.003, 700, plain, true), [0.01, 0.1, 1, 10, 100]);
-  assert.deepEqual(roundLevels(0.3, 7, plain, true), [0.5, 1, 2, 5]);
-  assert.deepEqual(roundLevels(1e-9, 1e9, plain, true), [1e-6, 1e-3, 1, 1e3, 1e6]);
-  assert.deepEqual(roundLevels(2, 2, plain, false), []);
+  const degree = Math.PI / 180;
+  assert.deepEqual(roundLevels(0, 3, degree, false).map((level) => Math.round(level / degree)), [50, 100, 150]);
+  assert.deepEqual(roundLevels(0.03, 2.9, 1, false), [0.5, 1, 1.5, 2, 2.5]);
+  assert.deepEqual(roundLevels(0.003, 700, 1, true), [0.01, 0.1, 1, 10, 100]);
+  assert.deepEqual(roundLevels(0.3, 7, 1, true), [0.5, 1, 2, 5]);
+  assert.deepEqual(roundLevels(2, 2, 1, false), []);
 });
 
 /** Return what is drawn and said of the contour lines that an address names on a map. */

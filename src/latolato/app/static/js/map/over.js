@@ -4,6 +4,7 @@ import { InputError } from "../model/rules.js";
 import { readQuantity } from "../page/entry.js";
 import { inPagesWords } from "../page/refusals.js";
 import { loadText } from "../kernels/files.js";
+import { sizeOf } from "./axes.js";
 import { lookOf } from "./colours.js";
 import { holdsCurves, parseCurves, placedCurve, pointNear } from "./curves.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
@@ -194,7 +195,7 @@ export class Over {
 function contoursOf(grid, { variable, levels, log }) {
   const about = grid.variables[variable];
   const all = levels ? checkedLevels(levels)
-    : roundLevels(...grid.range(variable, log), about.units[0] ?? { name: "", size: 1 }, log)
+    : roundLevels(...grid.range(variable, log), sizeOf(about), log)
       .slice(0, MOST_LEVELS);
   const { lines, tiny } = linesOf(grid, variable, all);
   return { levels: all, lines: lines.length, tiny,

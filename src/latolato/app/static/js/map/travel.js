@@ -7,12 +7,15 @@ import { t } from "../strings.js";
 /** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("./chart.js").ChartBox} ChartBox */
 
+// What the address says of which part of which map is on show.
+const PLACE = ["x", "y"].flatMap((which) => ["", "low", "high", "log"].map((part) => which + part));
+
 /** Ways over the map of a view, kept in the address. */
 export class Travel {
   /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
-    /** @type {Record<string, string>[]} keys of the address of maps that were seen */
+    /** @type {Record<string, string | null>[]} where on maps we were, as the address has it */
     this.seen = [];
   }
 
@@ -35,7 +38,8 @@ export class Travel {
   /** @param {ChartBox} box */
   zoom(box) {
     const { extra } = this.view.page.store.state;
-    if (!this.view.grid?.about.stored) this.seen.push(placeOf(extra));
+    if (!this.view.grid?.about.stored)
+      this.seen.push(Object.fromEntries(PLACE.map((name) => [name, extra[`map.${name}`] ?? null])));
     this.go(() => box);
   }
 
@@ -60,32 +64,8 @@ export class Travel {
   /** Zoom out to the map before. */
   back() {
     const last = this.seen.pop();
-    const { store } = this.view.page;
-    if (last) store.set({ extra: { ...withoutPlace(store.state.extra), ...last } }, "extra");
+    if (last) this.view.controls.keep(last);
   }
-}
-
-/**
- * Return the keys of the address that say which part of which map is on show.
- * @param {Record<string, string>} extra
- * @returns {Record<string, string>}
- */
-export function placeOf(extra) {
-  return Object.fromEntries(Object.entries(extra).filter(([name]) => isPlace(name)));
-}
-
-/**
- * Return the keys of the address without those.
- * @param {Record<string, string>} extra
- * @returns {Record<string, string>}
- */
-export function withoutPlace(extra) {
-  return Object.fromEntries(Object.entries(extra).filter(([name]) => !isPlace(name)));
-}
-
-/** @param {string} name */
-function isPlace(name) {
-  return /^map\.[xy](low|high|log)?$/.test(name);
 }
 
 /**
