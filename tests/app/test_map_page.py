@@ -187,7 +187,7 @@ def test_a_box_is_computed_in_full_escape_leads_back_and_an_axis_gets_logarithmi
     # Even on the screen, cells reach to the border.
     steps = -np.diff(found["places"])
     np.testing.assert_allclose(steps, found["height"] / 24, rtol=1e-9)
-    assert found["lift"] == ["tongue", "lift"]
+    assert found["lift"][:2] == ["tongue", "lift"]
     page.wait_for_function("() => location.search.includes('map.ylog=1')")
     # The arrow keys go by cells there too.
     field.focus()
@@ -215,8 +215,9 @@ def test_trials_and_contours_at_values_typed_by_hand_lie_where_they_belong(page,
     found = page.evaluate(
         """() => {
           const { chart } = window.latolato.views.map;
-          const context = chart.canvas.getContext("2d");
           const { width, height } = chart.canvas;
+          const context = new OffscreenCanvas(width, height).getContext("2d");
+          context.drawImage(chart.canvas, 0, 0);
           const { data } = context.getImageData(0, 0, width, height);
           return [0.1, 0.2, 0.3].map(y => {
             const [px, py] = chart.place(1.0, y).map(Math.round);
@@ -373,7 +374,7 @@ def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_
 
 def test_a_new_question_pales_the_picture_until_it_has_its_own_also_if_a_worker_dies(page):
     open_map(page)
-    page.wait_for_function("() => window.latolato.views.map.over.lines.length === 2")
+    page.wait_for_function("() => window.latolato.views.map.over.lines.length >= 2")
     place = """() => {
       const { chart, over } = window.latolato.views.map;
       const copy = new OffscreenCanvas(chart.canvas.width, chart.canvas.height);

@@ -7,7 +7,7 @@ import { t } from "../strings.js";
 /** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("./chart.js").ChartBox} ChartBox */
 
-// What the address says of which part of which map is on show.
+// Keys of the address for the part of a map that is on show.
 const PLACE = ["x", "y"].flatMap((which) => ["", "low", "high", "log"].map((part) => which + part));
 
 /** Ways over the map of a view, kept in the address. */

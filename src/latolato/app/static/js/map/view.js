@@ -59,9 +59,7 @@ export class MapView {
     form.addEventListener("submit", (e) => e.preventDefault());
     this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
     this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
-    const back = () => this.travel.back();
-    const scale = (/** @type {number} */ by) => this.travel.scale(by);
-    this.tools = new Toolbar({ stop: () => this.stopOrGo(), back, scale });
+    this.tools = new Toolbar(this);
     const canvas = el("canvas", { class: "map" });
     const bar = el("canvas", { class: "bar-canvas", role: "img", "aria-label": t("mapBar") });
     this.field = el("div", { class: "map-field", tabindex: "0", role: "application",
@@ -86,14 +84,7 @@ export class MapView {
     this.chart = new MapChart(canvas);
     this.bar = new ColourBar(bar);
     this.cursor = new Cursor(this, readout);
-    const keys = followHand(this.field, this.chart, {
-      hover: (at) => this.cursor.describe(at),
-      pick: (x, y) => void this.cursor.pick(x, y),
-      box: (box) => this.travel.zoom(box),
-      pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
-      step: (columns, rows) => this.cursor.step(columns, rows),
-      enter: () => void this.cursor.run(), curve: (by) => void this.cursor.stepOnCurve(by),
-    }, () => this.tools.panning);
+    const keys = followHand(this);
     this.keys = new KeyList(() => [{ title: t("keysHere"), actions: { ...keys, ...this.help } }]);
     /** @type {import("../page/keys.js").KeyActions} */
     this.help = { "?": { text: "keyHelp", act: () => this.keys.open() } };
