@@ -83,12 +83,16 @@ export async function questionOf(registry, layout, request) {
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
+  // An axis replaces what sets the same thing.
+  const varied = [x, y].map(({ name }) => registry.axes[name].sets);
+  const isFixed = (/** @type {[string, any]} */ [name]) => !varied.includes(registry.axes[name]?.sets);
   const inPlane = planarOption(registry, { ...system, drive: drive.kind, ...drive.parameters }) !== null
     || [x, y].some(({ name }) => name === registry.drives[drive.kind].across);
   const plan = {
     angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
-    parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
-      ...startOf(registry, system, options, [x.name, y.name]), ...noise, restitution: system.restitution,
+    parameters: { ...Object.fromEntries(Object.entries({
+      ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
+      ...startOf(registry, system, options, [x.name, y.name]) }).filter(isFixed)), ...noise, restitution: system.restitution,
       string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,

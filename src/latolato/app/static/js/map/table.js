@@ -79,9 +79,7 @@ function attributesOf({ registry, options, x, y, duration, transient, periods })
 function described({ registry, options, plan, watched, duration, transient, periods }) {
   const { system, drive, noise } = tablesOfRun(registry, options);
   const { parameters, x, y } = plan;
-  const varied = [x.name, y.name].map((name) => registry.axes[name].sets);
-  const start = Object.fromEntries(Object.entries(parameters)
-    .filter(([name]) => name.startsWith("initial_") && !varied.includes(registry.axes[name].sets)));
+  const start = Object.fromEntries(Object.entries(parameters).filter(([name]) => name.startsWith("initial_")));
   return {
     format: FORMAT, system, drive, start,
     axes: [y, x].map(({ name, values }) => ({ name, parameters: [name], values: [Array.from(values)] })),
