@@ -30,7 +30,9 @@ def open_map(page, query=FIG11):
 
 def wait_for_curves(page, count):
     page.wait_for_function(
-        "(n) => window.latolato.views.map.chart.curves.length === n", arg=count, timeout=PATIENCE
+        "(n) => window.latolato.views.map.over.shownCurves().length === n",
+        arg=count,
+        timeout=PATIENCE,
     )
 
 
@@ -122,14 +124,48 @@ def test_a_picture_of_a_map_has_its_bifurcation_curves(tmp_path):
         assert f">{words}</text>" in text
 
 
-def test_a_click_on_a_curve_opens_its_orbit_in_toy(page):
+def test_curves_are_walked_along_switched_off_and_opened_in_toy(page):
     open_map(page)
     wait_for_curves(page, 2)
+    field = page.get_by_role("application")
+    field.focus()
+    crosses = []
+    for key in ("c", "c", "Shift+C"):
+        field.press(key)
+        crosses.append(page.evaluate("() => window.latolato.views.map.chart.cross"))
+    on_curve = page.evaluate(
+        """() => window.latolato.views.map.over.shownCurves().map(({ xs, ys }) =>
+          xs.map((x, i) => [x, ys[i]])).flat()"""
+    )
+    assert crosses[0] in on_curve
+    assert crosses[1] in on_curve
+    assert crosses[1] != crosses[0] == crosses[2]
+    assert "map.at" not in page.url
+    # A cell opens as before.
+    field.press("ArrowLeft")
+    field.press("Enter")
+    page.wait_for_function("() => location.search.includes('map.at=')")
+    assert "largest angle after the transient" in page.locator(".map-readout").inner_text()
+    # The address keeps which lines are switched off.
+    page.get_by_text("Curves and trials").click()
+    page.get_by_label("Fold (").uncheck()
+    page.get_by_label("Mathieu tongue").uncheck()
+    wait_for_curves(page, 1)
+    assert "map.off=fold%2Ctongue" in page.url
+    page.reload()
+    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    wait_for_curves(page, 1)
+    page.get_by_text("Curves and trials").click()
+    for label in ("Fold (", "Mathieu tongue"):
+        assert not page.get_by_label(label).is_checked()
+        page.get_by_label(label).check()
+    wait_for_curves(page, 2)
+    assert "map.off" not in page.url
     # A point of the fold, clicked a few pixels beside it.
     spot = page.evaluate(
         """() => {
-          const { chart } = window.latolato.views.map;
-          const fold = chart.curves.find(({ name }) => name === "fold");
+          const { chart, over } = window.latolato.views.map;
+          const fold = over.shownCurves().find(({ name }) => name === "fold");
           const i = fold.xs.findIndex((x) => x > 1.7);
           const [x, y] = chart.place(fold.xs[i], fold.ys[i]);
           const box = chart.canvas.getBoundingClientRect();
@@ -168,47 +204,6 @@ def test_a_click_on_a_curve_opens_its_orbit_in_toy(page):
     assert np.ptp(angles, axis=0).max() < 1e-4
 
 
-def test_keys_walk_along_a_curve_and_a_cell_opens_as_before(page):
-    open_map(page)
-    wait_for_curves(page, 2)
-    field = page.get_by_role("application")
-    field.focus()
-    crosses = []
-    for key in ("c", "c", "Shift+C"):
-        field.press(key)
-        crosses.append(page.evaluate("() => window.latolato.views.map.chart.cross"))
-    on_curve = page.evaluate(
-        """() => window.latolato.views.map.chart.curves.map(({ xs, ys }) =>
-          xs.map((x, i) => [x, ys[i]])).flat()"""
-    )
-    assert crosses[0] in on_curve
-    assert crosses[1] in on_curve
-    assert crosses[1] != crosses[0] == crosses[2]
-    assert "map.at" not in page.url
-    field.press("ArrowLeft")
-    field.press("Enter")
-    page.wait_for_function("() => location.search.includes('map.at=')")
-    readout = page.locator(".map-readout").inner_text()
-    assert "largest angle after the transient" in readout
-
-
-def test_curves_are_switched_off_one_by_one_and_the_address_keeps_that(page):
-    open_map(page)
-    wait_for_curves(page, 2)
-    page.get_by_text("Curves and trials").click()
-    page.get_by_label("Fold (").uncheck()
-    wait_for_curves(page, 1)
-    assert "map.off=fold" in page.url
-    page.reload()
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
-    wait_for_curves(page, 1)
-    page.get_by_text("Curves and trials").click()
-    assert not page.get_by_label("Fold (").is_checked()
-    page.get_by_label("Fold (").check()
-    wait_for_curves(page, 2)
-    assert "map.off" not in page.url
-
-
 def test_files_of_curves_and_trials_are_told_apart_and_others_are_refused(page, tmp_path):
     (tmp_path / "curve.csv").write_text(SHIPPED)
     (tmp_path / "other.csv").write_text(SHIPPED.replace("restitution: 0.9", "restitution: 0.8"))
@@ -242,9 +237,9 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
     wait_for_curves(page, 1)
     found = page.evaluate(
         """() => {
-          const { grid, chart, question } = window.latolato.views.map;
-          return { x: [grid.xAxis.name, grid.x[0], grid.x.at(-1)],
-            y: [grid.yAxis.name, grid.y[0], grid.y.at(-1)], kind: chart.curves[0].kind,
+          const { grid, over, question } = window.latolato.views.map;
+          const about = ({ name, values }) => [name, values[0], values.at(-1)];
+          return { x: about(grid.x), y: about(grid.y), kind: over.shownCurves()[0].kind,
             angle: question.options.initial_angle, length: question.options.length };
         }"""
     )

@@ -15,6 +15,7 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.app.map.files import scenario_of
 from latolato.cli.main import app as command
+from latolato.sweeps.points import make_batch
 from latolato.sweeps.statuses import codes_of
 from map_in_node import views_in_node
 
@@ -63,6 +64,15 @@ KINDS = {
     "clamp": over(
         "toy", "frequency_ratio", ("drive_acceleration_ratio", 0.1, 2.0),
         options={"contact": "clamp"},
+    ),
+    "start and rod": over("fig05_push", ("initial_angle", 0.2, 1.1), ("length", 0.3, 1.2), 5.0),
+    "ends of a chirp": over(
+        "fig02", ("sweep_time", 4.0, 5.0), ("amplitude_ratio", 0.01, 0.05), 5.0, options=CHIRP,
+        observable="lyapunov_exponent",
+    ),
+    "pair": over(
+        "ballpair_asymmetric", "left_mass", ("initial_angular_velocity_left", 0.0, 1.0), 5.0,
+        observable="lyapunov_exponent",
     ),
     "noise": over(
         "toy", ("noise_seed", 0, 6), "noise_strength", options={"noise_strength": 0.02}
@@ -171,6 +181,18 @@ def test_a_map_of_the_page_is_the_sweep_over_the_same_axes(name, shown):
     assert compared >= 0.3 * WIDTH * HEIGHT
 
 
+def test_every_picture_has_more_points_and_steps_are_counted_before(shown):
+    for page in shown.values():
+        assert page["points"] == sorted(set(page["points"]))
+        assert page["points"][-1] == WIDTH * HEIGHT
+    # Of small maps, the points are counted one by one.
+    for name in ("fig05_push", "two balls", "noise", "pair"):
+        plan = scenario_of(shown[name]["tables"]).plan()
+        batch = make_batch(plan, np.arange(plan.size))
+        steps = plan.duration / batch.points.settings["step"][batch.valid]
+        assert shown[name]["steps"] == pytest.approx(steps.sum(), rel=1e-12), name
+
+
 def test_without_simd_a_map_is_the_same_to_the_last_bit(shown):
     size = {"width": WIDTH, "height": HEIGHT}
     names = ["fig05_push", "two balls"]
@@ -185,10 +207,9 @@ def test_variables_are_called_what_datasets_call_them(shown):
         for variable in page["about"]["variables"]:
             assert variable["label"] == wanted[variable["name"]].attrs["long_name"], name
             assert variable["unit"] == wanted[variable["name"]].attrs["units"], name
-        for which in ("x", "y"):
-            axis = page["about"][which]
+        for axis in page["sides"].values():
             assert wanted[axis["name"]].attrs["symbol"] == axis["symbol"]
-            np.testing.assert_array_equal(page["sides"][which], wanted[axis["name"]].values)
+            np.testing.assert_array_equal(axis["values"], wanted[axis["name"]].values)
 
 
 @pytest.mark.parametrize(
@@ -333,18 +354,19 @@ def test_an_axis_has_the_usual_end_and_parameter_where_none_is_given():
                          {"y": {"name": "restitution"}})
         ]
     )  # fmt: skip
-    x, y = ended["choices"]["x"], ended["choices"]["y"]
-    assert (x["name"], x["low"], x["high"]) == (
-        "frequency_ratio",
-        1.0,
-        usual["choices"]["x"]["high"],
-    )
+
+    def span(axis):
+        return axis["name"], axis["low"], axis["high"], axis["log"]
+
+    high = usual["sides"]["x"]["high"]
+    assert span(ended["sides"]["x"]) == ("frequency_ratio", 1.0, high, False)
     # Two decades, as a logarithmic axis has to begin with.
-    assert y == {"name": "drive_amplitude", "low": 0.002, "high": 0.2, "log": True}
-    np.testing.assert_allclose(ended["sides"]["y"], np.geomspace(0.002, 0.2, 3), rtol=1e-14)
-    edges = np.array(ended["sides"]["y_edges"])
+    y = ended["sides"]["y"]
+    assert span(y) == ("drive_amplitude", 0.002, 0.2, True)
+    np.testing.assert_allclose(y["values"], np.geomspace(0.002, 0.2, 3), rtol=1e-14)
+    edges = np.array(y["edges"])
     np.testing.assert_allclose(edges[1:] / edges[:-1], 10.0, rtol=1e-12)
-    assert turned["choices"]["y"] == {"name": "restitution", "low": 0.5, "high": 1.0, "log": False}
+    assert span(turned["sides"]["y"]) == ("restitution", 0.5, 1.0, False)
 
 
 def test_what_may_be_chosen_stands_once_with_a_description():

@@ -11,15 +11,6 @@ from typing import Any
 from in_node import NODE
 
 
-def maps_in_node(plans: Sequence[dict[str, Any]], workers: int = 2) -> list[dict[str, Any]]:
-    """Return what comes of plans of ``js/map/plan.js`` one after the other.
-
-    Of each its ``estimate``, ``pictures`` (after how many seconds, of how many points), ``status``
-    and ``values`` of all cells, row by row, and the ``variables`` that these are.
-    """
-    return _in_node({"plans": plans, "workers": workers})
-
-
 def views_in_node(
     requests: Sequence[dict[str, Any]], workers: int = 2, *, scalar: bool = False
 ) -> list[dict[str, Any]]:
@@ -32,12 +23,10 @@ def views_in_node(
 
     usual = {"scenario": None, "options": {}, "x": None, "y": None, "observable": None,
              "width": 4, "height": 3, "duration": None, "transient": None}  # fmt: skip
-    given = [{**each, "request": usual | each["request"]} for each in requests]
-    about = {"registry": registry(), "workers": workers, "scalar": scalar}
-    return _in_node({"requests": given, **about})
-
-
-def _in_node(given: dict[str, Any]) -> list[dict[str, Any]]:
+    given = {
+        "requests": [{**each, "request": usual | each["request"]} for each in requests],
+        "registry": registry(), "workers": workers, "scalar": scalar,
+    }  # fmt: skip
     done = subprocess.run(
         [NODE, Path(__file__).with_suffix(".mjs")],
         input=json.dumps(given),

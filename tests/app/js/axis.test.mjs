@@ -87,16 +87,10 @@ test("a range leaves out what is not finite", () => {
   assert.deepEqual(range([Infinity, 1, NaN, 2, -Infinity]), [1, 2]);
 });
 
-const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
-
 /** A map of two by two cells with these values. */
 function mapOf(values) {
-  const found = new Grid({
-    about: { x: AXIS, y: AXIS, variables: [{ name: "a", ball: null, classes: [] }], points: 4,
-      observable: "a" },
-    arrays: { x: [0, 1], y: [0, 1], x_edges: [-0.5, 0.5, 1.5], y_edges: [-0.5, 0.5, 1.5] },
-    shapes: {},
-  });
+  const axis = { name: "x", values: [0, 1], edges: [-0.5, 0.5, 1.5] };
+  const found = new Grid({ variables: [{ name: "a", ball: null, classes: [] }], observable: "a" }, axis, axis);
   found.values[0].set(values);
   return found;
 }

@@ -5,27 +5,25 @@ import test from "node:test";
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
 import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
+import { KnownMaps } from "../../../src/latolato/app/static/js/map/known.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
-import { ended, misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
+import { misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
-import { levelsOf } from "../../../src/latolato/app/static/js/map/overcontrols.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
 import { classesOf, wordOf } from "../../../src/latolato/app/static/js/map/words.js";
+import { readEntry } from "../../../src/latolato/app/static/js/page/entry.js";
 import { learnRules } from "../../../src/latolato/app/static/js/model/rules.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 // The sentences of Python.
 learnRules(JSON.parse(/** @type {string} */ (process.env.LATOLATO_RULES)));
 
-const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", units: [], allowed: [0, null] };
+const AXIS = { name: "x", label: "x", symbol: "x", unit: "1", log: false, units: [], allowed: [0, null] };
 
 function grid(width, height) {
-  const middles = (n) => Float64Array.from({ length: n }, (_, i) => i);
-  const edges = (n) => Float64Array.from({ length: n + 1 }, (_, i) => i - 0.5);
-  return new Grid({
-    about: { x: AXIS, y: AXIS, variables: [{ name: "a", ball: null }] },
-    arrays: { x: middles(width), y: middles(height), x_edges: edges(width), y_edges: edges(height) },
-  });
+  const axis = (n) => ({ ...AXIS, values: Float64Array.from({ length: n }, (_, i) => i),
+    edges: Float64Array.from({ length: n + 1 }, (_, i) => i - 0.5) });
+  return new Grid({ variables: [{ name: "a", ball: null }] }, axis(width), axis(height));
 }
 
 function cells(numbers, strides, values) {
@@ -55,6 +53,29 @@ test("a coarse point colours its neighbours until they have their own", () => {
   assert.equal(found.values[0][10], 9);
 });
 
+test("a map begins with the points that it shares with those before", () => {
+  const plan = ({ x, y }, parameters = {}) => ({ x, y, parameters });
+  const known = new KnownMaps();
+  const old = grid(4, 3);
+  old.put(cells([0, 5, 6, 11], [1, 1, 1, 1], [1, 2, 3, 4]));
+  known.add(old, plan(old));
+  const again = (first, parameters) => {
+    const map = grid(4, 3);
+    map.x.values = map.x.values.map((value) => value + first);
+    known.add(map, plan(map, parameters));
+    return [...map.values[0]].filter((_, cell) => map.isKnown(cell));
+  };
+  assert.deepEqual(again(0), [1, 2, 3, 4]);
+  // Moved by one column, up to rounding.
+  assert.deepEqual(again(1 + 1e-9), [2, 3, 4]);
+  assert.deepEqual(again(0.5), []);
+  assert.deepEqual(again(0, { length: 1 }), []);
+  // Kicks are those of a cell's number.
+  known.add(old, plan(old, { noise_strength: 1 }));
+  assert.deepEqual(again(0, { noise_strength: 1 }), [1, 2, 3, 4]);
+  assert.deepEqual(again(1, { noise_strength: 1 }), []);
+});
+
 test("a map moves by whole cells inside of what is allowed", () => {
   const old = grid(4, 3);
   // Downwards is forbidden: amounts are not negative.
@@ -63,9 +84,8 @@ test("a map moves by whole cells inside of what is allowed", () => {
 
 test("along a logarithmic axis a map moves and grows by factors", () => {
   const old = grid(3, 3);
-  old.xAxis = { ...AXIS, log: true };
-  old.x = Float64Array.from([1, 10, 100]);
-  old.xEdges = Float64Array.from([0.1 ** 0.5, 10 ** 0.5, 1000 ** 0.5, 1e5 ** 0.5]);
+  old.x = { ...AXIS, log: true, values: Float64Array.from([1, 10, 100]),
+    edges: Float64Array.from([0.1 ** 0.5, 10 ** 0.5, 1000 ** 0.5, 1e5 ** 0.5]) };
   const near = (found, wanted) => found.forEach((v, i) =>
     assert.ok(Math.abs(v - wanted[i]) < 1e-9 * wanted[i] + 1e-12, `${found}`));
   near(movedBy(old, -2, 0), [0.01, 1, 0, 2]);
@@ -76,18 +96,14 @@ test("along a logarithmic axis a map moves and grows by factors", () => {
 
 test("levels are read with their units", () => {
   const registry = { units: { J: [1, { J: 1 }], kg: [1, { kg: 1 }] }, prefixes: { k: 1000, m: 0.001 } };
-  const shown = { unit: "J", units: [{ name: "mJ", size: 0.001 }, { name: "J", size: 1 }] };
-  const read = (/** @type {string} */ text) => levelsOf(registry, text, shown);
-  assert.deepEqual(read("10, 5;7"), [0.005, 0.007, 0.01]);
-  assert.deepEqual(read("1, 3 J"), [1, 3]);
-  assert.deepEqual(read("1 J, 3 mJ"), [0.003, 1]);
-  assert.deepEqual(read("0.5, 1, 2 kJ"), [500, 1000, 2000]);
-  assert.deepEqual(read(" "), []);
-  assert.equal(read("1,,3"), null);
-  assert.equal(read("1, many"), null);
-  assert.equal(read("3 kg"), null);
-  assert.equal(read("nan"), null);
-  assert.deepEqual(levelsOf(registry, "3, 1", { unit: "weird", units: [] }), [1, 3]);
+  const read = (/** @type {string} */ text) => readEntry(text, { registry, unit: "J", usual: { name: "mJ", size: 0.001 },
+    isList: true, mayBeEmpty: true });
+  assert.deepEqual(read("10, 5;7").values, [0.01, 0.005, 0.007]);
+  assert.deepEqual(read("1, 3 J").values, [1, 3]);
+  assert.deepEqual(read("1 J, 3").values, [1, 0.003]);
+  assert.deepEqual(read("0.5, 1, 2 kJ"), { values: [500, 1000, 2000], text: "0.5 kJ, 1 kJ, 2 kJ", problem: null });
+  assert.deepEqual(read(" ").values, []);
+  for (const text of ["1,,3", "1, many", "3 kg", "nan"]) assert.notEqual(read(text).problem, null, text);
 });
 
 test("the value of a line stands upright along it where it is straight", () => {
@@ -122,16 +138,14 @@ test("symbols become one line of text", () => {
 });
 
 test("an axis is changed from what the address says, not from what was on show", () => {
-  const shown = { x: { name: "a", low: 0, high: 5, log: false },
-    y: { name: "b", low: 0, high: 1, log: false } };
-  const extra = { "map.y": "b", "map.ylow": "0.01" };
-  assert.deepEqual(ended({ extra, shown }, "y", "high", 0.2),
-    { y: "b", ylow: "0.01", yhigh: 0.2, ylog: null });
-  assert.deepEqual(spaced({ extra, shown }, "y", true),
-    { y: "b", ylow: "0.01", yhigh: null, ylog: 1 });
-  assert.equal(spaced({ extra: { "map.ylow": "0" }, shown }, "y", true).ylow, null);
-  assert.deepEqual(turned({ extra, shown }, "x", "b"), { x: "b", xlow: "0.01", xhigh: null,
+  const shown = { x: { name: "a" }, y: { name: "b" } };
+  const extra = { "map.y": "c", "map.ylow": "0.01" };
+  assert.deepEqual(spaced(extra, shown, "y", true), { y: "c", ylog: 1 });
+  assert.deepEqual(spaced({ "map.ylow": "0" }, shown, "y", true), { y: "b", ylog: 1, ylow: null });
+  assert.deepEqual(spaced({ "map.stored": "a.nc" }, shown, "x", false), { xlog: 0 });
+  assert.deepEqual(turned(extra, shown, "x", "c"), { x: "c", xlow: "0.01", xhigh: null,
     xlog: null, y: "a", ylow: null, yhigh: null, ylog: null, at: null });
+  assert.deepEqual(turned(extra, shown, "x", "d"), { x: "d", xlow: null, xhigh: null, xlog: null, at: null });
 });
 
 test("parts of an address that cannot be read are found", () => {
@@ -156,8 +170,7 @@ function computed(width, height, field, known = () => true) {
 
 test("contour lines run straight between points, on a logarithmic axis in the logarithm", () => {
   const map = computed(3, 3, (column) => column);
-  map.xAxis = { ...AXIS, log: true };
-  map.x = Float64Array.of(1, 100, 10000);
+  Object.assign(map.x, { log: true, values: Float64Array.of(1, 100, 10000) });
   const { lines, tiny } = linesOf(map, 0, [0.5, 1.25]);
   assert.equal(tiny, 0);
   assert.deepEqual(lines.map(({ level }) => level), [0.5, 1.25]);
@@ -187,15 +200,12 @@ test("a map of a single row has no contour lines", () => {
 });
 
 test("levels are round in the unit on show", () => {
-  const degrees = roundLevels(0, 3, { name: "deg", size: Math.PI / 180 }, false);
-  assert.deepEqual(degrees.map((level) => Math.round(level * 180 / Math.PI)), [30, 60, 90, 120, 150]);
-  const plain = { name: "", size: 1 };
-  assert.deepEqual(roundLevels(0.03, 2.9, plain, false), [0.5, 1, 1.5, 2, 2.5]);
-  assert.deepEqual(roundLevels(0.1, 0.7, plain, false), [0.2, 0.3, 0.4, 0.5, 0.6]);
-  assert.deepEqual(roundLevels(0.003, 700, plain, true), [0.01, 0.1, 1, 10, 100]);
-  assert.deepEqual(roundLevels(0.3, 7, plain, true), [0.5, 1, 2, 5]);
-  assert.deepEqual(roundLevels(1e-9, 1e9, plain, true), [1e-6, 1e-3, 1, 1e3, 1e6]);
-  assert.deepEqual(roundLevels(2, 2, plain, false), []);
+  const degree = Math.PI / 180;
+  assert.deepEqual(roundLevels(0, 3, degree, false).map((level) => Math.round(level / degree)), [50, 100, 150]);
+  assert.deepEqual(roundLevels(0.03, 2.9, 1, false), [0.5, 1, 1.5, 2, 2.5]);
+  assert.deepEqual(roundLevels(0.003, 700, 1, true), [0.01, 0.1, 1, 10, 100]);
+  assert.deepEqual(roundLevels(0.3, 7, 1, true), [0.5, 1, 2, 5]);
+  assert.deepEqual(roundLevels(2, 2, 1, false), []);
 });
 
 /** Return what is drawn and said of the contour lines that an address names on a map. */
@@ -203,8 +213,8 @@ function contoursOn(map, extra, growing = false) {
   const said = {};
   const chart = { contours: [], draw() {} };
   const view = { grid: map, chart, growing: () => growing,
-    page: { registry: { options: {} }, store: { state: { extra: { "map.contours": "a", ...extra } } } },
-    controls: { over: { showContours(variable, drawn, isLater, notes) {
+    page: { registry: { options: {}, units: { m: [1, { m: 1 }] }, prefixes: {} }, store: { state: { extra: { "map.contours": "a", ...extra } } } },
+    controls: { over: { showContours(variable, text, drawn, isLater, notes) {
       Object.assign(said, { drawn, isLater, notes });
     } } } };
   new Over(view).contours();
@@ -223,7 +233,7 @@ test("contour lines bear their values, those of the address in order and each on
 
 test("an address with too many levels, or with one that is no number, is refused", () => {
   const map = computed(4, 4, (column) => column);
-  Object.assign(map.variables[0], { units: [], classes: [] });
+  Object.assign(map.variables[0], { unit: "m", units: [], classes: [] });
   const many = contoursOn(map, { "map.levels": [...Array(21).keys()].join() });
   assert.deepEqual(many.notes, ["at most 20 contour lines, got 21 levels"]);
   const bad = contoursOn(map, { "map.levels": "1,x" });

@@ -39,20 +39,33 @@ class Silent extends EventTarget {
   }
 }
 
-/** Start a map in two silent workers, and note what comes of it. */
-async function started() {
+/** Start a map in two silent workers; `heard` is what comes of it, and `start` starts another one. */
+async function started(plan = PLAN, how = {}) {
   const workers = [];
   const pool = new Pool(2, () => {
     workers.push(new Silent());
     return workers.at(-1);
   });
   const heard = { cells: [], done: 0, errors: [], restarts: [] };
-  const listener = { onCells: ({ cell }) => heard.cells.push(...cell), onDone: () => (heard.done += 1),
-    onError: ({ message }) => heard.errors.push(message),
-    onRestart: (message) => heard.restarts.push(message) };
-  await pool.start(PLAN, listener);
-  return { pool, workers, heard, listener };
+  const start = async (plan, how = {}) => {
+    void pool.compute(plan, await pool.estimate(plan), { ...how,
+      onCells: ({ cell }) => heard.cells.push(...cell), onRestart: (message) => heard.restarts.push(message),
+    }).then(() => { heard.done += 1; }, ({ name, message }) => heard.errors.push(message || name));
+    await settled();
+  };
+  await start(plan, how);
+  /** Let workers answer until the map is complete. */
+  const finish = () => {
+    while (pool.job) for (const worker of workers) if (!worker.ended && worker.cells.length) worker.answer();
+    return settled();
+  };
+  return { pool, workers, heard, start, finish };
 }
+
+/** Wait for what is ready. */
+const settled = () => new Promise((resolve) => { setTimeout(resolve); });
+const ALL = Array.from({ length: 600 }, (_, i) => i);
+const sorted = (cells) => [...cells].sort((a, b) => a - b);
 
 test("cells come from coarse to fine, every one once", () => {
   const { cells, strides } = inOrder(50, 30);
@@ -64,56 +77,36 @@ test("cells come from coarse to fine, every one once", () => {
   assert.deepEqual([...inOrder(3, 2).strides], [1, 1, 1, 1, 1, 1]);
 });
 
-test("a map with a stride has every so many rows and columns, and goes on with the others", async () => {
-  const { pool, workers, heard, listener } = await started();
-  await pool.start(PLAN, listener, undefined, 2);
-  while (!heard.done) for (const worker of workers.filter(({ ended, cells }) => !ended && cells.length)) worker.answer();
+test("a map with a stride has every so many rows and columns, known ones are not computed", async () => {
+  const { heard, start, finish } = await started(PLAN, { stride: 2 });
+  await finish();
   assert.equal(heard.cells.length, 15 * 10);
   assert.ok(heard.cells.every((cell) => cell % 30 % 2 === 0 && Math.floor(cell / 30) % 2 === 0));
-  heard.cells.length = 0;
-  await pool.start(PLAN, listener);
-  assert.equal(heard.cells.length, 15 * 10);
-  while (heard.done < 2) for (const worker of workers.filter(({ ended, cells }) => !ended && cells.length)) worker.answer();
-  assert.deepEqual(heard.cells.sort((a, b) => a - b), Array.from({ length: 600 }, (_, i) => i));
+  const known = new Set(heard.cells);
+  await start(PLAN, { isKnown: (cell) => known.has(cell) });
+  await finish();
+  assert.deepEqual(sorted(heard.cells), ALL);
+  await start(PLAN, { isKnown: () => true });
+  assert.deepEqual([heard.cells.length, heard.done], [600, 3]);
 });
 
 test("workers share the first picture, and all cells come", async () => {
-  const { workers, heard } = await started();
+  const { workers, heard, finish } = await started();
   assert.deepEqual(workers.map(({ cells }) => cells[0].length), [75, 75]);
-  while (!heard.done) for (const worker of workers) if (worker.cells.length) worker.answer();
-  assert.deepEqual(heard.cells.sort((a, b) => a - b), Array.from({ length: 600 }, (_, i) => i));
+  await finish();
+  assert.deepEqual(sorted(heard.cells), ALL);
   assert.equal(heard.done, 1);
 });
 
 test("a new map ends the workers that are busy, and what they say is not heard", async () => {
-  const { pool, workers, heard, listener } = await started();
-  await pool.start({ ...PLAN, duration: 200 }, listener);
+  const { pool, workers, heard, start } = await started();
+  await start({ ...PLAN, duration: 200 });
   assert.deepEqual(workers.map(({ ended }) => ended), [true, true, false, false]);
   assert.deepEqual(workers.slice(2).map(({ plan }) => plan.duration), [200, 200]);
   workers[0].answer();
-  assert.deepEqual(heard.cells, []);
+  assert.deepEqual([heard.cells, heard.errors], [[], ["AbortError"]]);
   pool.stop();
   assert.ok(workers.every(({ ended }) => ended));
-});
-
-test("what was computed before comes at once", async () => {
-  const { pool, workers, heard, listener } = await started();
-  const { cells: [first] } = workers[0];
-  workers[0].answer();
-  heard.cells = [];
-  await pool.start(PLAN, listener);
-  assert.deepEqual(heard.cells, [...first]);
-  while (!heard.done) for (const each of workers) if (!each.ended && each.cells.length) each.answer();
-  assert.deepEqual(heard.cells.sort((a, b) => a - b), Array.from({ length: 600 }, (_, i) => i));
-  // Moved by ten columns: twenty are the same.
-  const x = { ...PLAN.x, values: PLAN.x.values.map((value) => value + 2) };
-  heard.cells = [];
-  await pool.start({ ...PLAN, x }, listener);
-  assert.deepEqual(heard.cells.sort((a, b) => a - b),
-    Array.from({ length: 600 }, (_, i) => i).filter((i) => i % 30 < 20));
-  heard.cells = [];
-  await pool.start({ ...PLAN, duration: 100 }, listener);
-  assert.deepEqual(heard.cells, []);
 });
 
 test("a worker that dies is replaced, says so, and its cells are computed again", async () => {
@@ -125,19 +118,20 @@ test("a worker that dies is replaced, says so, and its cells are computed again"
   assert.ok(workers[0].ended);
   assert.deepEqual(workers[2].cells, [lost]);
   workers[2].say("message", { data: { death: "unreachable" } });
+  await settled();
   assert.deepEqual(heard.errors, ["some points of this map cannot be computed: unreachable"]);
   assert.ok(workers.every(({ ended }) => ended));
 });
 
 test("what is wrong with a map is told once", async () => {
-  const { pool, workers, heard, listener } = await started();
+  const { pool, workers, heard } = await started();
   for (const worker of workers) worker.say("message", { data: { error: "no drive is called hand" } });
+  await settled();
   assert.deepEqual(heard.errors, ["no drive is called hand"]);
-  const wrong = { ...PLAN, parameters: { ...PLAN.parameters, colour: 1 } };
-  await pool.start(wrong, listener);
-  await pool.start({ ...PLAN, parameters: { ...PLAN.parameters, radius: 2 } }, listener);
-  assert.deepEqual(heard.errors.slice(1),
-    ["no map has the parameter colour", "no point of this map can run"]);
+  await assert.rejects(pool.estimate({ ...PLAN, parameters: { ...PLAN.parameters, colour: 1 } }),
+    { message: "no map has the parameter colour" });
+  const { problem } = await pool.estimate({ ...PLAN, parameters: { ...PLAN.parameters, radius: 2 } });
+  assert.equal(problem.parameter, "radius");
 });
 
 test("a small batch, which leaves lanes empty, does not change what is known of the speed", async () => {
@@ -156,6 +150,6 @@ test("an estimate grows with the map", async () => {
   const pool = new Pool(2, () => new Silent());
   const one = await pool.estimate(PLAN);
   const longer = await pool.estimate({ ...PLAN, duration: 600 });
-  assert.ok(one.in_lanes && one.seconds > 0);
+  assert.ok(one.in_lanes && one.longest > 0);
   assert.ok(Math.abs(longer.steps / one.steps - 2) < 1e-9);
 });

@@ -1,61 +1,30 @@
 /** What a computed map is of, as its picture, its readout and its files say it, and its runs. */
 
-import { variedBy } from "./choices.js";
+import { Grid } from "./grid.js";
 import { sweepCommand, sweepLines } from "./map_code.js";
 import { variablesOf } from "./plan.js";
-import { edgesOf } from "./question.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
-/** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {Record<string, any>} Options */
 
 const SIDES = ["right", "left"];
 
 /**
- * The beginning of a map: its description, and the middles and borders of its cells.
+ * Return a map without any points.
  * @param {MapQuestion} question
- * @returns {import("./grid.js").Begin}
  */
-export function beginOf(question) {
-  const { registry, layout, options, plan, shown, title } = question;
-  const [x, y] = [question.x, question.y].map((span) => axisOf(question, span));
+export function gridOf(question) {
+  const { registry, layout, options, plan, shown, title, x, y } = question;
   const { contacts, options: own } = registry.systems[options.system];
   const parameters = Object.fromEntries(own.filter((name) => name in options && name !== x.name && name !== y.name)
     .map((name) => [name, options[name]]));
-  const along = /** @type {Record<"x" | "y", Float64Array>} */ ({ x: plan.x.values, y: plan.y.values });
-  return {
-    about: { x, y, observable: shown, title, statuses: layout.statuses.map((name) => name.replaceAll("_", " ")),
-      variables: variablesOf(layout, plan).map((each) => variableOf(question, each)),
-      parameters, laws: { ...options, contact: contacts ? options.contact ?? "exact" : "none" },
-      has_contact: contacts && options.contact !== "none",
-      python: sweepLines(question), command: sweepCommand(question) },
-    arrays: { ...along, x_edges: edgesOf(along.x, question.x.log), y_edges: edgesOf(along.y, question.y.log) },
-    optionsOf: (cell) => optionsOfCell(question, cell),
-  };
-}
-
-/**
- * The choices of a map's form, and what is chosen.
- * @param {MapQuestion} question
- */
-export function choicesOf({ registry, options, choices, x, y, shown, duration, transient }) {
-  return { axes: variedBy(registry, options).map((name) => ({ name, ...registry.axes[name] })),
-    variables: choices, x, y, observable: shown, duration, transient, options };
-}
-
-/** @typedef {ReturnType<typeof choicesOf>} Choices */
-
-/**
- * Return how an axis is shown.
- * @param {MapQuestion} question
- * @param {import("./choices.js").Span} span
- * @returns {Axis & {log: boolean}}
- */
-function axisOf({ registry }, { name, log }) {
-  const { label, symbol, unit, units, low, high } = registry.axes[name];
-  return { name, log, label, symbol, unit, units, allowed: [low, high] };
+  return new Grid({ observable: shown, title, parameters, laws: { ...options, contact: contacts ? options.contact ?? "exact" : "none" },
+    statuses: layout.statuses.map((name) => name.replaceAll("_", " ")),
+    variables: variablesOf(layout, plan).map((each) => variableOf(question, each)),
+    has_contact: contacts && options.contact !== "none",
+    python: sweepLines(question), command: sweepCommand(question) }, x, y, (cell) => optionsOfCell(question, cell));
 }
 
 /**
@@ -111,8 +80,7 @@ export function optionsAt(registry, options, values) {
  * @param {MapQuestion} question
  * @param {number} cell
  */
-export function optionsOfCell({ registry, options, plan, duration }, cell) {
-  const { x, y } = plan;
+export function optionsOfCell({ registry, options, x, y, duration }, cell) {
   const width = x.values.length;
   /** @type {Options} */
   const base = { ...options, duration, tolerance: registry.sweep_tolerance };

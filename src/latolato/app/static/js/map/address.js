@@ -1,5 +1,6 @@
 /** How an address describes a map: what it asks for, its axes, and the parts that cannot be read. */
 
+import { splitQuantity } from "../model/units.js";
 import { openState } from "../page/links.js";
 import { FIRST } from "../page/state.js";
 import { SCALES } from "./colours.js";
@@ -7,7 +8,7 @@ import { SCALES } from "./colours.js";
 /** @typedef {import("../page/state.js").State} State */
 /** @typedef {{scenario: string | null, stored: string | null}} MapSource */
 /** @typedef {"x" | "y"} Which */
-/** @typedef {{extra: Record<string, string>, shown: any}} Axes the address, and what is on show */
+/** @typedef {Record<Which, {name: string}>} Axes of a map */
 
 /** The shipped sweep that is shown where the address names nothing. */
 const FIRST_MAP = "fig05_push";
@@ -21,7 +22,7 @@ const LEAST_SIZE = 2;
 export const PAGE = "page";
 const TAKEN = "map.at_";
 const NUMBERS = ["xlow", "xhigh", "ylow", "yhigh", "duration", "transient", "low", "high"];
-const SWITCHES = ["xlog", "ylog", "log", "tongue", "lift"];
+const SWITCHES = ["xlog", "ylog", "log"];
 const TEXTS = ["x", "y", "observable", "ball", "contours", "scenario", "stored", "at", "off"];
 
 /**
@@ -112,65 +113,49 @@ export function openInPlay(page, options) {
 }
 
 /**
- * Return an axis as the address has it; what it does not say is as usual, on show or on its way.
- * @param {Axes} axes
+ * Return the parameter along an axis: that of the address, else the one on show or on its way.
+ * @param {Record<string, string>} extra
+ * @param {Axes | null} shown
  * @param {Which} which
  */
-function axisOf({ extra, shown }, which) {
-  const seen = shown?.[which];
-  const name = extra[`map.${which}`] ?? seen?.name ?? null;
-  const log = extra[`map.${which}log`];
-  return { name, low: extra[`map.${which}low`] ?? null, high: extra[`map.${which}high`] ?? null,
-    log: log === undefined ? Boolean(seen?.log) && seen.name === name : log === "1" };
+export function nameOf(extra, shown, which) {
+  return extra[`map.${which}`] ?? shown?.[which].name ?? null;
 }
 
 /**
- * The entries of the address for an axis.
- * @param {Which} which
- * @param {{name: string | null, low: any, high: any, log: boolean}} axis
- */
-function keys(which, { name, low, high, log }) {
-  return { [which]: name, [`${which}low`]: low, [`${which}high`]: high,
-    [`${which}log`]: log ? 1 : null };
-}
-
-/**
- * The entries of the address for an axis with one end changed; an empty end stands for the usual one.
- * @param {Axes} axes
- * @param {Which} which
- * @param {"low" | "high"} side
- * @param {number | null} value
- */
-export function ended(axes, which, side, value) {
-  return keys(which, { ...axisOf(axes, which), [side]: value });
-}
-
-/**
- * The entries of the address for an axis that is made logarithmic or linear; one that begins
+ * Return the entries of the address for an axis that is made logarithmic or linear; one that begins
  * at zero gets the usual start. A stored map has its points, and its spacing alone is kept.
- * @param {Axes} axes
+ * @param {Record<string, string>} extra
+ * @param {Axes | null} shown
  * @param {Which} which
  * @param {boolean} on
  */
-export function spaced(axes, which, on) {
-  if (axes.extra["map.stored"]) return { [`${which}log`]: on ? 1 : 0 };
-  const now = axisOf(axes, which);
-  const low = on && !(Number(now.low) > 0) ? null : now.low;
-  return { ...keys(which, { ...now, low, log: on }), [`${which}log`]: on ? 1 : 0 };
+export function spaced(extra, shown, which, on) {
+  const log = { [`${which}log`]: on ? 1 : 0 };
+  if (extra["map.stored"]) return log;
+  const isUsual = on && !(Number(extra[`map.${which}low`]) > 0);
+  return { [which]: nameOf(extra, shown, which), ...log, ...(isUsual && { [`${which}low`]: null }) };
 }
 
 /**
- * The entries of the address when another parameter is shown along an axis; that of the other
+ * Return the entries of the address when another parameter is shown along an axis; that of the other
  * axis changes places with this one.
- * @param {Axes} axes
+ * @param {Record<string, string>} extra
+ * @param {Axes | null} shown
  * @param {Which} which
  * @param {string} name
  */
-export function turned(axes, which, name) {
-  const [own, other] = [axisOf(axes, which), axisOf(axes, which === "x" ? "y" : "x")];
-  if (name !== other.name)
-    return { ...keys(which, { name, low: null, high: null, log: false }), at: null };
-  return { ...keys(which, other), ...keys(which === "x" ? "y" : "x", own), at: null };
+export function turned(extra, shown, which, name) {
+  const other = which === "x" ? "y" : "x";
+  const isSwapped = name === nameOf(extra, shown, other);
+  /** @type {Record<string, string | null>} */
+  const values = { at: null, [which]: name, ...(isSwapped && { [other]: nameOf(extra, shown, which) }) };
+  for (const part of ["low", "high", "log"]) {
+    const [own, others] = [which, other].map((each) => extra[`map.${each}${part}`] ?? null);
+    values[which + part] = isSwapped ? others : null;
+    if (isSwapped) values[other + part] = own;
+  }
+  return values;
 }
 
 /**
@@ -187,7 +172,7 @@ export function misread(registry, extra) {
     if (name === "size") return !(Number.isInteger(Number(text)) && Number(text) >= LEAST_SIZE);
     if (NUMBERS.includes(name)) return !isNumber(text);
     if (SWITCHES.includes(name)) return !["0", "1"].includes(text);
-    if (name === "levels") return !text.split(",").every(isNumber);
+    if (name === "levels") return !text.split(",").every((part) => Number.isFinite(Number(splitQuantity(part)?.number ?? NaN)));
     if (name === "scale") return !SCALES.includes(text);
     if (name === "scenario") return text !== PAGE && !registry.scenarios[text]?.sweep;
     if (name === "observable" && !isStored) return !variables.includes(text);

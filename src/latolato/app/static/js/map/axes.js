@@ -48,29 +48,29 @@ export function shareOf({ low, high, log }, value) {
  * @param {number} ratio
  */
 export function drawAxes(chart, context, ratio) {
-  const { xAxis, yAxis } = /** @type {Grid} */ (chart.grid);
+  const { x, y } = /** @type {Grid} */ (chart.grid);
   const { left, top, width, height } = chart.frame();
   const corner = { x: left, y: top + height };
-  drawTicks(context, { ...corner, length: width }, inUnit(chart.ends("x"), xAxis), ratio);
-  drawTicks(context, { ...corner, length: height, isUpright: true }, inUnit(chart.ends("y"), yAxis), ratio);
+  drawTicks(context, { ...corner, length: width }, inUnit(chart.ends("x"), x), ratio);
+  drawTicks(context, { ...corner, length: height, isUpright: true }, inUnit(chart.ends("y"), y), ratio);
   context.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
   context.fillStyle = colour("ink", chart.canvas);
   context.textAlign = "center";
   context.textBaseline = "bottom";
-  context.fillText(fitted(context, axisLabel(xAxis), width + MARGIN * ratio),
+  context.fillText(fitted(context, axisLabel(x), width + MARGIN * ratio),
     left + width / 2, chart.canvas.height - 2 * ratio);
   context.save();
   context.translate(2 * ratio, top + height / 2);
   context.rotate(-Math.PI / 2);
   context.textBaseline = "top";
-  context.fillText(fitted(context, axisLabel(yAxis), height), 0, 0);
+  context.fillText(fitted(context, axisLabel(y), height), 0, 0);
   context.restore();
 }
 
 /**
  * Return the ends of an axis in the unit shown.
  * @param {[number, number]} ends
- * @param {Grid["xAxis"]} axis
+ * @param {Grid["x"]} axis
  * @returns {Ends}
  */
 function inUnit([low, high], axis) {

@@ -7,12 +7,11 @@ import { drawAxes, MARGIN, shareOf } from "./axes.js";
 import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
-import { drawCross, drawCurve, drawLine, drawTrials } from "./marks.js";
+import { drawCross, drawLine, drawTrials } from "./marks.js";
 import { classesOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{variable: number, scale: string, log: boolean, limits: [number, number]}} Look */
-/** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, dashed: boolean}} ChartLine */
 /** @typedef {{xs: ArrayLike<number>, ys: ArrayLike<number>, kinds: ArrayLike<number>}} Trials */
 /** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {[number, number, number, number]} ChartBox x from, x to, y from, y to */
@@ -32,10 +31,8 @@ export class MapChart {
     this.grid = null;
     /** @type {Look} */
     this.look = { variable: 0, scale: "viridis", log: false, limits: [0, 1] };
-    /** @type {ChartLine[]} */
+    /** @type {import("./curves.js").Line[]} */
     this.lines = [];
-    /** @type {import("./curves.js").PlacedCurve[]} of bifurcations */
-    this.curves = [];
     /** @type {Contour[]} */
     this.contours = [];
     /** @type {Trials | null} */
@@ -68,7 +65,7 @@ export class MapChart {
    * @returns {[number, number]}
    */
   ends(which) {
-    const edges = this.grid?.[`${which}Edges`] ?? [0, 1];
+    const edges = this.grid?.[which].edges ?? [0, 1];
     return axisLimits(edges[0], edges[edges.length - 1]);
   }
 
@@ -79,7 +76,7 @@ export class MapChart {
    */
   share(which, value) {
     const [low, high] = this.ends(which);
-    return shareOf({ low, high, log: this.grid?.[`${which}Axis`].log }, value);
+    return shareOf({ low, high, log: this.grid?.[which].log }, value);
   }
 
   /**
@@ -89,7 +86,7 @@ export class MapChart {
    */
   value(which, share) {
     const [low, high] = this.ends(which);
-    return this.grid?.[`${which}Axis`].log ? low * (high / low) ** share : low + share * (high - low);
+    return this.grid?.[which].log ? low * (high / low) ** share : low + share * (high - low);
   }
 
   /**
@@ -127,8 +124,8 @@ export class MapChart {
    */
   cell(x, y) {
     if (!this.grid) return -1;
-    const column = cellAt(this.grid.xEdges, x);
-    const line = cellAt(this.grid.yEdges, y);
+    const column = cellAt(this.grid.x.edges, x);
+    const line = cellAt(this.grid.y.edges, y);
     return column < 0 || line < 0 ? -1 : line * this.grid.width + column;
   }
 
@@ -145,10 +142,10 @@ export class MapChart {
     const colours = this.colours();
     const columns = new Int32Array(width);
     for (let i = 0; i < width; i += 1)
-      columns[i] = Math.max(0, cellAt(grid.xEdges, this.value("x", (i + 0.5) / width)));
+      columns[i] = Math.max(0, cellAt(grid.x.edges, this.value("x", (i + 0.5) / width)));
     for (let j = 0; j < height; j += 1) {
       // The first line of pixels is the top, the first row of cells the bottom.
-      const line = Math.max(0, cellAt(grid.yEdges, this.value("y", 1 - (j + 0.5) / height)));
+      const line = Math.max(0, cellAt(grid.y.edges, this.value("y", 1 - (j + 0.5) / height)));
       const from = line * grid.width;
       for (let i = 0; i < width; i += 1) pixels[j * width + i] = colours[from + columns[i]];
     }
@@ -199,7 +196,6 @@ export class MapChart {
     const drawValues = this.contours.length
       ? drawContours(this, context, this.contours, ratio) : () => {};
     for (const each of this.lines) drawLine(this, context, each, ratio);
-    for (const each of this.curves) drawCurve(this, context, each, ratio);
     drawValues();
     if (this.trials) drawTrials(this, context, this.trials, ratio);
     if (this.cross) drawCross(this, context, this.cross, ratio);

@@ -37,8 +37,6 @@ const OWNERS = ["system", "drive", "noise", "run"];
 const FREQUENCIES = ["frequency_ratio", "drive_frequency"];
 const FIRST = ["drive_amplitude", "vertical_amplitude", "frequency_ratio", "initial_angle",
   "initial_angular_velocity"];
-// How closely a spacing must keep its ratio or its difference to count as even.
-const EVEN = 1e-6;
 
 /** Return whether a parameter belongs to balls on strings. @param {string} name */
 export const isOfStrings = (name) => /^(string_restitution|initial_distance)/.test(name);
@@ -73,7 +71,7 @@ export function lengthOf(options) {
 export function gentleDrive({ options, sweep }) {
   const middle = (/** @type {string} */ name, /** @type {number} */ usual) => {
     const values = sweep?.axes[name];
-    return Array.isArray(values) ? 0.5 * (Math.min(...values) + Math.max(...values)) : usual;
+    return values ? 0.5 * (Math.min(...values) + Math.max(...values)) : usual;
   };
   const length = lengthOf(options);
   return { drive: "harmonic", drive_amplitude: middle("drive_amplitude", 0.1 * length),
@@ -90,9 +88,7 @@ export function gentleDrive({ options, sweep }) {
 export function spansOf(registry, origin, asked) {
   const known = variedBy(registry, origin.options);
   const setBy = (/** @type {string} */ name) => registry.axes[name].sets;
-  const usual = Object.entries(origin.sweep?.axes ?? {})
-    .filter(([name, values]) => Array.isArray(values) && known.includes(name))
-    .map(([name]) => name).slice(0, 2);
+  const usual = Object.keys(origin.sweep?.axes ?? {}).filter((name) => known.includes(name)).slice(0, 2);
   for (const name of [...FIRST, ...known])
     if (usual.length < 2 && known.includes(name) && !usual.some((each) => setBy(each) === setBy(name)))
       usual.push(name);
@@ -123,23 +119,9 @@ export function spansOf(registry, origin, asked) {
 function spanOf(registry, origin, name, ends) {
   const [least, most] = suggestedRange(registry, origin, name);
   const high = ends.high ?? most;
-  const log = ends.log ?? isGeometric(origin.sweep?.axes[name]);
+  const log = ends.log ?? false;
   const low = ends.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
   return { name, low, high, log };
-}
-
-/**
- * Return whether values, in order, keep their ratio and not their difference.
- * @param {any} values
- */
-function isGeometric(values) {
-  if (!Array.isArray(values) || values.length < 3) return false;
-  const sorted = [...values].sort((a, b) => a - b);
-  if (!(sorted[0] > 0)) return false;
-  const steps = sorted.slice(1).map((value, i) => value - sorted[i]);
-  const ratios = sorted.slice(1).map((value, i) => value / sorted[i]);
-  const spread = (/** @type {number[]} */ each) => Math.max(...each) - Math.min(...each);
-  return spread(ratios) < EVEN * ratios[0] && spread(steps) > EVEN * steps[0];
 }
 
 /**
@@ -155,26 +137,25 @@ function checked(about, span, which) {
   if (!(span.low < span.high))
     throw new InputError(t("refuseOrder", { label, low: words(span.low), high: words(span.high) }),
       { fields: [first, last] });
-  for (const [field, value] of /** @type {[string, number][]} */ ([[first, span.low], [last, span.high]]))
-    if (!isAllowed(about, value))
-      throw new InputError(t("refuseValues", { label, ends: ruleOf(about), value: words(value) }), { fields: [field] });
+  for (const [field, value] of /** @type {[string, number][]} */ ([[first, span.low], [last, span.high]])) {
+    const ends = ruleAgainst(about, value);
+    if (ends !== null) throw new InputError(t("refuseValues", { label, ends, value: words(value) }), { fields: [field] });
+  }
   if (span.log && !(span.low > 0))
     throw new InputError(t("refuseLog", { label, low: words(span.low) }), { fields: [first] });
   return span;
 }
 
-/** @type {(about: Varied, value: number) => boolean} */
-function isAllowed({ low, high, open_low: openLow, open_high: openHigh }, value) {
-  const [least, most] = [low ?? -Infinity, high ?? Infinity];
-  return (openLow ? value > least : value >= least) && (openHigh ? value < most : value <= most);
-}
-
 /**
- * Return in words where the values of a parameter may lie.
+ * Return in words where the values of a parameter may lie, null if a value lies there.
  * @param {Varied} about
+ * @param {number} value
  */
-function ruleOf(about) {
+function ruleAgainst(about, value) {
   const { low, high, open_low: openLow, open_high: openHigh } = about;
+  const isBelow = low !== null && (openLow ? value <= low : value < low);
+  const isAbove = high !== null && (openHigh ? value >= high : value > high);
+  if (!isBelow && !isAbove) return null;
   return endsText(low === null ? null : { end: inWords(about, low), is_open: openLow },
     high === null ? null : { end: inWords(about, high), is_open: openHigh });
 }
@@ -197,7 +178,7 @@ function inWords({ units: [unit] }, value) {
  */
 export function suggestedRange(registry, { options, sweep }, name) {
   const values = sweep?.axes[name];
-  if (Array.isArray(values) && Math.min(...values) < Math.max(...values))
+  if (values && Math.min(...values) < Math.max(...values))
     return [Math.min(...values), Math.max(...values)];
   if (/^(drive|vertical|horizontal)_amplitude$/.test(name)) return [0, AMPLITUDES * lengthOf(options)];
   if (name.startsWith("initial_distance")) {

@@ -70,19 +70,18 @@ function drawValues(chart, context, lines, ratio) {
   const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
     .sort((a, b) => (b.along.at(-1) ?? 0) - (a.along.at(-1) ?? 0));
   const written = new Set();
-  // Along the lines first; a level whose lines are all too crooked gets its value level.
-  for (const [line, level] of [...measured.map((m) => /** @type {const} */ ([m, false])),
-    ...measured.map((m) => /** @type {const} */ ([m, true]))]) {
-    const { text, points, along } = line;
+  for (const { text, points, along } of measured) {
     const room = context.measureText(text).width;
-    if ((along.at(-1) ?? 0) < room + ROOM * ratio || (level && written.has(text))) continue;
+    if ((along.at(-1) ?? 0) < room + ROOM * ratio) continue;
     const half = 0.5 * room + 5 * ratio;
     const inside = (/** @type {ContourPlace} */ p) => p.x > left + half && p.x < left + width - half
       && p.y > top + half && p.y < top + height - half;
     const apart = (/** @type {ContourPlace} */ p) =>
       taken.every((o) => Math.hypot(o.x - p.x, o.y - p.y) > half + o.half);
-    const place = PLACES.map((share) => level ? levelAt(points, along, share)
-      : placeAt(points, along, share, room)).find((p) => p && inside(p) && apart(p));
+    // A line that is too crooked gets a level text, unless another one of its level has its value.
+    const lengths = written.has(text) ? [room] : [room, 0];
+    const place = lengths.flatMap((length) => PLACES.map((share) => placeAt(points, along, share, length)))
+      .find((p) => p && inside(p) && apart(p));
     if (!place) continue;
     written.add(text);
     taken.push({ ...place, half });
@@ -111,8 +110,8 @@ function lengths(points) {
 }
 
 /**
- * The position and angle of a text of this width at a share of a line: upright, along the line;
- * null where the line is too crooked.
+ * The position and angle of a text of this width at a share of a line: upright, along the line, level
+ * without a width; null where the line is too crooked.
  * @param {Float64Array} points
  * @param {Float64Array} along
  * @param {number} share
@@ -131,18 +130,6 @@ export function placeAt(points, along, share, room) {
   if (angle > Math.PI / 2) angle -= Math.PI;
   else if (angle <= -Math.PI / 2) angle += Math.PI;
   return { x, y, angle };
-}
-
-/**
- * The position of a level text at a share of a line.
- * @param {Float64Array} points
- * @param {Float64Array} along
- * @param {number} share
- * @returns {ContourPlace}
- */
-function levelAt(points, along, share) {
-  const [x, y] = pointAt(points, along, share * along[along.length - 1]);
-  return { x, y, angle: 0 };
 }
 
 /**

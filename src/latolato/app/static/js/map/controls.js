@@ -1,23 +1,27 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el } from "../page/dom.js";
+import { el, refresh } from "../page/dom.js";
 import { stopped } from "../page/link_parts.js";
-import { plainSymbol } from "../page/unit_text.js";
+import { localShort, plainSymbol } from "../page/unit_text.js";
 import { t } from "../strings.js";
-import { ended, firstStride, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
+import { firstStride, nameOf, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
+import { variedBy } from "./choices.js";
 import { SCALES } from "./colours.js";
-import { choice, QuantityField, tick } from "./fields.js";
+import { choice, numberField, tick } from "./fields.js";
 import { OverControls } from "./overcontrols.js";
 
-/** @typedef {import("../page/state.js").Store} Store */
 /** @typedef {import("./grid.js").Grid} Grid */
+/** @typedef {import("../page/knob.js").Knob} Knob */
 
 const SIZES = [25, 50, 100, 200, 400];
+const TIME = { unit: "s", units: [{ name: "s", size: 1 }] };
+// What stays of an address when the map is of something else.
+const KEPT = ["map.size", "map.scale", "map.contours"];
 
 export class MapControls {
   /**
    * @param {any} registry
-   * @param {Store} store
+   * @param {import("../page/state.js").Store} store
    * @param {(texts: string[]) => void} files called with the texts of tables of trials and of curves
    */
   constructor(registry, store, files) {
@@ -25,78 +29,70 @@ export class MapControls {
     this.store = store;
     /** @type {string[]} */
     this.stored = [];
-    const set = (/** @type {Record<string, any>} */ values) => this.keep(values);
-    const number = (/** @type {string} */ name, /** @type {string} */ key, hint = "") =>
-      new QuantityField(registry, t(name), (v) => set({ [key]: v }), { hint: hint ? t(hint) : "" });
+    /** The map that was begun last. @type {import("./question.js").MapQuestion | null} */
+    this.question = null;
+    /** Fields of numbers by their keys in the address. @type {Record<string, Knob>} */
+    this.numbers = {};
+    /** The key of the number that was changed last. */
+    this.last = "";
+    const keep = (/** @type {Record<string, any>} */ values) => this.keep(values);
     this.source = choice(t("mapSource"), (value) => this.choose(value));
     this.about = el("p", { class: "hint" });
-    this.x = choice(t("mapX"), (v) => set(turned(this.now(), "x", v)));
-    this.y = choice(t("mapY"), (v) => set(turned(this.now(), "y", v)));
-    const log = (/** @type {"x" | "y"} */ which, /** @type {string} */ name) => {
-      const made = tick(t("mapLog"), (on) => set(spaced(this.now(), which, on)));
-      made.box.setAttribute("aria-label", t(name));
-      return made;
-    };
-    this.logs = { x: log("x", "mapLogX"), y: log("y", "mapLogY") };
-    const end = (/** @type {string} */ name, /** @type {"x" | "y"} */ which,
-      /** @type {"low" | "high"} */ side) => new QuantityField(registry, t(name), (value) =>
-      set(ended(this.now(), which, side, value)));
-    this.ends = { xlow: end("mapFrom", "x", "low"), xhigh: end("mapTo", "x", "high"),
-      ylow: end("mapFrom", "y", "low"), yhigh: end("mapTo", "y", "high") };
-    /** @type {any} */
-    this.choices = null;
-    this.observable = choice(t("mapObservable"), (v) =>
-      set({ observable: v, low: null, high: null }));
+    this.sides = { x: this.side("x", "mapX", "mapLogX"), y: this.side("y", "mapY", "mapLogY") };
+    this.observable = choice(t("mapObservable"), (v) => keep({ observable: v, low: null, high: null }));
     this.meaning = el("p", { class: "hint" });
-    this.ball = choice(t("mapBall"), (v) => set({ ball: v }));
+    this.ball = choice(t("mapBall"), (v) => keep({ ball: v }));
     this.ball.root.hidden = true;
     this.select = el("div", { class: "fields" });
-    this.size = choice(t("mapSize"), (v) => set({ size: v || null }));
-    this.duration = number("mapDuration", "duration");
-    this.transient = number("mapTransient", "transient", "mapTransientHint");
-    this.scale = choice(t("mapScale"), (v) => set({ scale: v }));
-    this.log = tick(t("mapLog"), (on) => set({ log: on ? 1 : 0, low: null, high: null }));
-    this.low = new QuantityField(registry, t("mapLow"), (v) => this.limit("low", v),
-      { mayBeEmpty: true });
-    this.high = new QuantityField(registry, t("mapHigh"), (v) => this.limit("high", v),
-      { mayBeEmpty: true });
-    /** @type {[number, number]} values of the darkest and the brightest colour on show */
-    this.limits = [0, 1];
+    this.size = choice(t("mapSize"), (v) => keep({ size: v || null }));
+    /** What is of maps that the page computes. */
+    this.computed = el("div", { class: "fields" }, this.size.root, this.number("duration", "mapDuration", TIME),
+      this.number("transient", "mapTransient", TIME, t("mapTransientHint")));
+    this.scale = choice(t("mapScale"), (v) => keep({ scale: v }));
+    this.log = tick(t("mapLog"), (on) => keep({ log: on ? 1 : 0, low: null, high: null }));
     this.log.box.setAttribute("aria-label", t("mapLogColours"));
-    this.over = new OverControls(registry, set, files);
-    this.top = el("div", { class: "source" }, this.source.root,
-      el("p", { class: "hint" }, t("mapIntro")), this.about);
+    /** Values of the darkest and the brightest colour on show. @type {[number, number]} */
+    this.limits = [0, 1];
+    this.ends = el("div", { class: "fields" });
+    this.colours = el("div", { class: "fields" }, this.scale.root, this.log.root, this.ends);
+    this.over = new OverControls(registry, keep, files);
+    this.top = el("div", { class: "source" }, this.source.root, el("p", { class: "hint" }, t("mapIntro")), this.about);
+    const group = (/** @type {string} */ title, /** @type {boolean} */ open, /** @type {Node[]} */ ...parts) =>
+      el("details", { open }, el("summary", {}, t(title)), el("div", { class: "fields" }, ...parts));
+    const { x, y } = this.sides;
     this.root = el("div", { class: "form" },
-      this.group("mapAxes", true, this.x.root, this.pair("xlow", "xhigh"), this.logs.x.root,
-        this.y.root, this.pair("ylow", "yhigh"), this.logs.y.root, this.select),
-      this.group("mapWhat", true, this.observable.root, this.meaning, this.ball.root,
-        this.size.root, this.duration.root, this.transient.root),
-      this.group("mapColours", false, this.scale.root, this.log.root,
-        this.low.root, this.high.root),
-      this.group("mapOver", false, ...this.over.parts));
+      group("mapAxes", true, x.name.root, x.ends, x.log.root, y.name.root, y.ends, y.log.root, this.select),
+      group("mapWhat", true, this.observable.root, this.meaning, this.ball.root, this.computed),
+      group("mapColours", false, this.colours), group("mapOver", false, ...this.over.parts));
   }
 
   /**
+   * Return the fields of an axis.
+   * @param {"x" | "y"} which
    * @param {string} title
-   * @param {boolean} open
-   * @param {...Node} parts
+   * @param {string} logTitle
    */
-  group(title, open, ...parts) {
-    return el("details", { open }, el("summary", {}, t(title)),
-      el("div", { class: "fields" }, ...parts));
+  side(which, title, logTitle) {
+    const log = tick(t("mapLog"), (on) => this.keep(spaced(this.store.state.extra, this.question, which, on)));
+    log.box.setAttribute("aria-label", t(logTitle));
+    return { name: choice(t(title), (v) => this.keep(turned(this.store.state.extra, this.question, which, v))),
+      ends: el("div", { class: "two" }), log };
   }
 
   /**
-   * @param {"xlow" | "ylow"} low
-   * @param {"xhigh" | "yhigh"} high
+   * Return the field of a number that the address has under a key.
+   * @param {string} key
+   * @param {string} label
+   * @param {import("./fields.js").Shown} quantity
+   * @param {string} [hint]
+   * @param {(value: number | null) => void} [take]
    */
-  pair(low, high) {
-    return el("div", { class: "two" }, this.ends[low].root, this.ends[high].root);
-  }
-
-  /** Return the axes as the address has them; what was on show last may be out of date. */
-  now() {
-    return { extra: this.store.state.extra, shown: this.choices };
+  number(key, label, quantity, hint = "", take = (value) => this.keep({ [key]: value })) {
+    this.numbers[key] = numberField(this.registry, t(label), quantity, (value) => {
+      this.last = key;
+      take(value);
+    }, { hint, mayBeEmpty: ["low", "high"].includes(key) });
+    return this.numbers[key].root;
   }
 
   /**
@@ -113,28 +109,24 @@ export class MapControls {
   }
 
   /**
-   * Keep an end of the colours; one beyond the other end is refused.
+   * Keep an end of the colours, null for the usual one; one beyond the other end is refused.
    * @param {"low" | "high"} side
+   * @param {(number | null)[]} ends
    * @param {number | null} value
    */
-  limit(side, value) {
-    const [low, high] = this.limits;
-    const fits = value === null || (side === "low" ? value < high : value > low);
-    if (fits) this.keep({ [side]: value });
-    else this[side].problem.show(t("mapLimits"));
+  limit(side, [low, high], value) {
+    if (low === null || high === null || low < high) this.keep({ [side]: value });
+    else this.numbers[side].refuse(t("mapLimits"), null);
   }
 
   /** @param {string} value */
   choose(value) {
-    const { extra } = this.store.state;
+    const { extra, options, scenario } = this.store.state;
     const kept = Object.fromEntries(Object.entries(extra).filter(([name]) =>
-      !name.startsWith("map.") || ["map.size", "map.scale", "map.contours"].includes(name)));
-    const [kind, name] = value === PAGE ? ["", ""] : [value.slice(0, 1), value.slice(2)];
-    if (kind === "s" || value === PAGE) kept["map.scenario"] = name || PAGE;
-    if (kind === "f") kept["map.stored"] = name;
-    const options = value === PAGE ? this.store.state.options : {};
-    const scenario = value === PAGE ? this.store.state.scenario : null;
-    this.store.set({ extra: kept, options, scenario }, "preset");
+      !name.startsWith("map.") || KEPT.includes(name)));
+    const isPage = value === PAGE;
+    kept[value.startsWith("f:") ? "map.stored" : "map.scenario"] = isPage ? PAGE : value.slice(2);
+    this.store.set({ extra: kept, options: isPage ? options : {}, scenario: isPage ? scenario : null }, "preset");
   }
 
   /**
@@ -143,11 +135,9 @@ export class MapControls {
    * @param {string[]} [names]
    */
   refuse(text, names = []) {
-    /** @type {Record<string, QuantityField>} */
-    const fields = { ...this.ends, duration: this.duration, transient: this.transient };
-    const own = names.filter((name) => name in fields);
-    const chosen = own.find((name) => fields[name].isNew) ?? own[0];
-    for (const [name, field] of Object.entries(fields)) field.refuse(name === chosen ? text : null);
+    const own = names.filter((name) => name in this.numbers);
+    const chosen = own.includes(this.last) ? this.last : own[0];
+    for (const [name, field] of Object.entries(this.numbers)) field.error(name === chosen ? text : null);
   }
 
   /**
@@ -179,56 +169,66 @@ export class MapControls {
 
   /**
    * Show what a computed map may be made of.
-   * @param {import("./about.js").Choices} choices
+   * @param {import("./question.js").MapQuestion} question
    */
-  showChoices(choices) {
-    this.choices = choices;
-    const axes = choices.axes.map((/** @type {any} */ a) => {
-      const symbol = plainSymbol(a.symbol);
-      const text = `${a.label}${symbol ? ` ${symbol}` : ""}`;
-      return { value: a.name, text, title: a.name };
+  showChoices(question) {
+    const { registry, options, choices, shown, duration, transient } = this.question = question;
+    const names = variedBy(registry, options).map((name) => {
+      const { label, symbol } = registry.axes[name];
+      return { value: name, text: `${label} ${plainSymbol(symbol)}`.trim(), title: name };
     });
-    this.x.show(axes, choices.x.name);
-    this.y.show(axes, choices.y.name);
-    const { axes: known } = this.registry;
-    for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
-      const axis = known[choices[which].name];
-      this.ends[`${which}low`].show(choices[which].low, axis);
-      this.ends[`${which}high`].show(choices[which].high, axis);
-      this.logs[which].box.checked = choices[which].log;
+    for (const [which, { name, ends, log }] of this.eachSide()) {
+      const axis = question[which];
+      const keep = (/** @type {string} */ key) => (/** @type {number | null} */ value) =>
+        this.keep({ [which]: nameOf(this.store.state.extra, this.question, which), [key]: value });
+      name.show(names, axis.name);
+      refresh(ends, axis.name, () => [["low", "mapFrom"], ["high", "mapTo"]].map(([side, label]) =>
+        this.number(which + side, label, axis, "", keep(which + side))));
+      this.numbers[`${which}low`].read(String(axis.low));
+      this.numbers[`${which}high`].read(String(axis.high));
+      log.box.checked = axis.log;
+      log.text.textContent = t("mapLog");
     }
-    this.observable.show(choices.variables.map((/** @type {any} */ v) => ({ value: v.name,
-      text: v.label, title: v.description,
-      group: t(v.together ? "mapTogether" : "mapAlone") })), choices.observable);
-    const seconds = { unit: "s", units: [{ name: "s", size: 1 }, { name: "min", size: 60 }] };
-    this.duration.show(choices.duration, seconds);
-    this.transient.show(choices.transient, seconds);
-    this.parts(true);
+    this.observable.show(choices.map(({ name, label, description, together }) => ({ value: name, text: label,
+      title: description, group: t(together ? "mapTogether" : "mapAlone") })), shown);
+    this.numbers.duration.read(String(duration));
+    this.numbers.transient.read(String(transient));
+    this.select.replaceChildren();
+    this.showComputed(true);
+  }
+
+  /** Return both axes with their fields. */
+  eachSide() {
+    return /** @type {["x" | "y", MapControls["sides"]["x"]][]} */ (Object.entries(this.sides));
+  }
+
+  /** @param {boolean} isComputed whether the map on show is computed, and not stored */
+  showComputed(isComputed) {
+    for (const { name, ends } of Object.values(this.sides)) name.root.hidden = ends.hidden = !isComputed;
+    this.computed.hidden = !isComputed;
   }
 
   /**
    * Show what a stored map may be looked at by.
-   * @param {import("./grid.js").Begin["about"]} about
+   * @param {Grid} grid
    */
-  showStored(about) {
+  showStored(grid) {
+    const { about } = grid;
     const stored = /** @type {import("./grid.js").Stored} */ (about.stored);
     this.observable.show(stored.names.map((name) => ({ value: name, text: this.labelOf(name) })),
       about.observable);
-    for (const which of /** @type {("x" | "y")[]} */ (["x", "y"])) {
-      this.logs[which].box.checked = about[which].log;
-      this.logs[which].text.textContent = t("mapLogOf", { name: about[which].label });
+    for (const [which, { log }] of this.eachSide()) {
+      log.box.checked = grid[which].log;
+      log.text.textContent = t("mapLogOf", { name: grid[which].label });
     }
-    this.select.replaceChildren(...stored.select.map((/** @type {any} */ each) => {
-      const label = this.labelOf(each.dim, each.label);
-      const made = choice(label, (v) => this.keep({ [`at_${each.dim}`]: v, at: null }));
-      made.show(each.values.map((/** @type {string} */ v, /** @type {number} */ i) =>
-        ({ value: String(i), text: each.unit === "1" ? v : `${v} ${each.unit}` })),
-      String(each.index));
+    this.select.replaceChildren(...stored.select.map(({ dim, label, values, unit, index }) => {
+      const made = choice(this.labelOf(dim, label), (v) => this.keep({ [`at_${dim}`]: v, at: null }));
+      made.show(values.map((/** @type {string} */ v, /** @type {number} */ i) => ({ value: String(i), text: unit === "1" ? v : `${v} ${unit}` })), String(index));
       return made.root;
     }));
     this.about.textContent = stored.description.replace(/\$([^$]+)\$/g,
       (/** @type {string} */ _, /** @type {string} */ tex) => plainSymbol(tex));
-    this.parts(false);
+    this.showComputed(false);
   }
 
   /**
@@ -241,40 +241,33 @@ export class MapControls {
     return this.registry.quantities[name]?.label ?? other;
   }
 
-  /** @param {boolean} computed */
-  parts(computed) {
-    const ends = Object.values(this.ends).map((end) => end.root);
-    for (const part of [this.x.root, this.y.root, this.size.root, this.duration.root,
-      this.transient.root, ...ends]) part.hidden = !computed;
-    if (!computed) return;
-    this.select.replaceChildren();
-    for (const { text } of Object.values(this.logs)) text.textContent = t("mapLog");
-  }
-
   /**
    * Show how values become colours.
    * @param {Grid} grid
    * @param {import("./chart.js").Look} look
    */
-  showLook(grid, look) {
+  showLook(grid, { variable: k, scale, log, limits }) {
     const { extra } = this.store.state;
-    const variable = grid.variables[look.variable];
-    this.scale.show(SCALES.map((name) => ({ value: name, text: name })), look.scale);
-    this.log.box.checked = look.log;
-    this.limits = look.limits;
-    this.low.show(look.limits[0], variable, "map.low" in extra);
-    this.high.show(look.limits[1], variable, "map.high" in extra);
-    const classes = variable.classes.length > 0;
-    for (const part of [this.scale.root, this.log.root, this.low.root, this.high.root])
-      part.hidden = classes;
+    const variable = grid.variables[k];
+    this.observable.select.value = variable.name;
+    this.scale.show(SCALES.map((name) => ({ value: name, text: name })), scale);
+    this.log.box.checked = log;
+    this.limits = limits;
+    refresh(this.ends, variable.name, () => [
+      this.number("low", "mapLow", variable, "", (value) => this.limit("low", [value, this.limits[1]], value)),
+      this.number("high", "mapHigh", variable, "", (value) => this.limit("high", [this.limits[0], value], value))]);
+    for (const [i, side] of ["low", "high"].entries()) {
+      const field = this.numbers[side];
+      field.read(`map.${side}` in extra ? String(limits[i]) : null);
+      field.input.placeholder = localShort(limits[i] / field.unit.size, 4);
+    }
+    this.colours.hidden = variable.classes.length > 0;
     const balls = grid.variables.filter((v) => v.name === variable.name && v.ball);
     this.ball.root.hidden = balls.length < 2;
     this.ball.show(balls.map((v) => ({ value: v.ball ?? "", text: t(v.ball ?? "right") })),
       variable.ball ?? "");
-    const known = Object.values(this.registry.observables).find((/** @type {any} */ o) =>
-      variable.name in o.variables);
-    const words = /** @type {any} */ (known)?.description ?? "";
-    const plain = words.replaceAll("`", "").replaceAll("+-", "±").replaceAll("_", " ");
-    this.meaning.textContent = plain;
+    const known = Object.values(this.registry.observables).find((/** @type {any} */ o) => variable.name in o.variables);
+    this.meaning.textContent = (/** @type {any} */ (known)?.description ?? "")
+      .replaceAll("`", "").replaceAll("+-", "±").replaceAll("_", " ");
   }
 }

@@ -93,7 +93,7 @@ export class Cursor {
     if (!grid || cell < 0) return;
     this.orbit = null;
     const column = cell % grid.width;
-    chart.cross = [grid.x[column], grid.y[(cell - column) / grid.width]];
+    chart.cross = [grid.x.values[column], grid.y.values[(cell - column) / grid.width]];
     chart.draw();
     this.describe();
   }
@@ -115,19 +115,19 @@ export class Cursor {
   step(columns, rows) {
     const { grid, chart } = this.view;
     if (!grid) return;
-    const [x, y] = chart.cross ?? [grid.x[grid.width >> 1], grid.y[grid.height >> 1]];
+    const [x, y] = chart.cross ?? [grid.x.values[grid.width >> 1], grid.y.values[grid.height >> 1]];
     const cell = Math.max(0, chart.cell(x, y));
     const column = (cell % grid.width) + (chart.cross ? columns : 0);
     const line = Math.floor(cell / grid.width) + (chart.cross ? rows : 0);
     if (column < 0 || column >= grid.width || line < 0 || line >= grid.height) return;
-    this.put(grid.x[column], grid.y[line]);
+    this.put(grid.x.values[column], grid.y.values[line]);
   }
 
   /** Show a point to begin with: somewhere in the upper middle. */
   begin() {
     const { grid } = this.view;
     if (!grid) return;
-    this.put(grid.x[Math.floor(0.5 * grid.width)], grid.y[Math.floor(0.7 * grid.height)]);
+    this.put(grid.x.values[Math.floor(0.5 * grid.width)], grid.y.values[Math.floor(0.7 * grid.height)]);
     void this.run(false);
   }
 
@@ -151,10 +151,9 @@ export class Cursor {
       return;
     }
     if (chosen) store.amend({ extra: { ...store.state.extra, "map.at": cross.join(",") } });
-    const words = [withName(grid.xAxis, cross[0]), withName(grid.yAxis, cross[1])];
-    const optionsOf = /** @type {(cell: number) => Record<string, any>} */ (grid.optionsOf);
+    const words = [withName(grid.x, cross[0]), withName(grid.y, cross[1])];
     const cell = chart.cell(...cross);
-    await point.run(() => optionsOf(cell), words.join(" · "), chosen);
+    await point.run(() => grid.optionsOf(cell), words.join(" · "), chosen);
   }
 }
 

@@ -19,9 +19,11 @@ import { columnsOf, LINE_END } from "./trials.js";
  *   velocities: number[][], largest: number[], words: string[], edges: boolean[], births: number[],
  *   special: {kind: string, values: number[]}[]}} Curve
  *
- * A curve over a map: `name` tells it from the others, `xs` and `ys` are those of the map's axes.
- * @typedef {Curve & {name: string, label: string, colour: string, xs: number[], ys: number[],
- *   marks: {x: number, y: number, kind: string, mark: string}[]}} PlacedCurve
+ * A line over a map, and a curve of bifurcations there: `name` tells it from the others, `xs` and `ys` are
+ * along the map's axes, `edges` says which points are on solid parts. Theory has no colour of its own.
+ * @typedef {{name: string, label: string, colour: string, xs: number[], ys: number[], edges: boolean[],
+ *   marks: {x: number, y: number, kind: string, mark: string}[]}} Line
+ * @typedef {Curve & Line} PlacedCurve
  *
  * A point of a curve.
  * @typedef {{curve: PlacedCurve, i: number}} CurvePoint
@@ -129,13 +131,13 @@ export function placedCurve({ curves, ...registry }, curve, grid) {
  * @returns {(values: number[]) => [number, number]}
  */
 function placing({ parameters, labels }, grid) {
-  const at = [grid.xAxis, grid.yAxis].map(({ name }) => parameters.indexOf(name));
+  const at = [grid.x, grid.y].map(({ name }) => parameters.indexOf(name));
   if (!at.includes(-1)) return (values) => [values[at[0]], values[at[1]]];
   // Both are of amplitude and frequency, in other units.
   const [x, y] = parameters;
   const numbers = Object.fromEntries(Object.entries(labels).map(([name, text]) => [name, Number(text)]));
-  const own = new Placing(/** @type {any} */ ({ xAxis: { name: x }, yAxis: { name: y }, xEdges: [0, 0],
-    yEdges: [0, 0], width: 1, height: 1, about: { parameters: numbers, laws: labels } }));
+  const own = new Placing(/** @type {any} */ ({ x: { name: x, edges: [] }, y: { name: y, edges: [] },
+    about: { parameters: numbers, laws: labels } }));
   const over = new Placing(grid);
   return ([one, other]) => over.place(own.plain({ [x]: one, [y]: other }));
 }
@@ -146,8 +148,8 @@ function placing({ parameters, labels }, grid) {
  * @param {Curve} curve
  * @param {Grid} grid
  */
-function checkSame({ systems, drives, options, axes }, { labels, parameters }, { about: { laws }, xAxis, yAxis }) {
-  const varied = [xAxis.name, yAxis.name, ...parameters];
+function checkSame({ systems, drives, options, axes }, { labels, parameters }, { about: { laws }, x, y }) {
+  const varied = [x.name, y.name, ...parameters];
   const skipped = new Set([...varied, ...varied.map((name) => axes[name]?.sets), TURNS]);
   const { options: inSystem = [], contacts = false } = systems[labels.system] ?? {};
   // Without anything to hit, the law of contact says nothing.

@@ -9,11 +9,14 @@ import { csvOf, tablesOf } from "./table.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
-// What the page writes by itself, and what the installed program writes.
+// What the page writes by itself, but the table of a stored map, and what the installed program writes.
 const OWN = ["csv", "screen"];
+const OF_PROGRAM = ["nc", "png", "svg"];
 /** @type {Record<string, string>} */
 const NAMES = { screen: "mapFile_screen", png: "mapFile_png" };
-const OF_PROGRAM = ["nc", "png", "svg"];
+// What the program calls lines of theory.
+/** @type {Record<string, string>} */
+const THEORY = { tongue: "tongue", lift: "lift_off" };
 
 export class MapFiles {
   /** @param {MapView} view */
@@ -21,86 +24,54 @@ export class MapFiles {
     this.view = view;
     this.job = new JobLine();
     const { server } = view.page.registry;
-    const entry = (/** @type {string} */ kind, /** @type {() => Promise<void>} */ store) => el("li", {},
-      el("button", { type: "button", on: { click: () => void this.store(store) } }, t(NAMES[kind] ?? `file_${kind}`)),
+    const entry = (/** @type {string} */ kind) => el("li", {},
+      el("button", { type: "button", on: { click: () => void this.store(kind) } }, t(NAMES[kind] ?? `file_${kind}`)),
       el("span", { class: "soft" }, ` ${t(`mapFileHint_${kind}`)}`));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
         if (event.key === "Escape") this.root.open = false;
       } } },
       el("summary", {}, t("download")),
-      el("ul", {}, ...OWN.map((kind) => entry(kind, () => this.write(kind))),
-        ...(server ? OF_PROGRAM : []).map((kind) => entry(kind, () => this.make(kind)))),
+      el("ul", {}, ...[...OWN, ...(server ? OF_PROGRAM : [])].map(entry)),
       el("p", { class: "hint" }, t(server ? "mapFilesHint" : "mapFilesProgram")), this.job.root);
   }
 
-  /** @param {() => Promise<void>} work */
-  async store(work) {
-    this.job.error.hidden = true;
-    if (!this.view.grid) {
-      this.job.refuse(t("mapFilesNone"));
+  /**
+   * Store a file of the map on show.
+   * @param {string} kind
+   */
+  async store(kind) {
+    const { view, job } = this;
+    const { grid, question } = view;
+    job.error.hidden = true;
+    if (!grid) {
+      job.refuse(t("mapFilesNone"));
       return;
     }
     try {
-      await work();
+      if (kind === "screen") this.keep(await pictureOf(view), "png", 0);
+      else if (kind === "csv" && question)
+        this.keep(new Blob([csvOf(question, grid)], { type: "text/csv" }), kind, grid.width * grid.height - grid.done);
+      else {
+        const block = await job.run("ws/map/file", { kind, ...fileRequestOf(view, grid) });
+        if (block) this.keep(fileOf(block, "file", block.about.type), kind, block.about.missing);
+      }
     } catch (error) {
       if (!(error instanceof Error)) throw error;
-      this.job.refuse(error.message);
+      job.refuse(error.message);
     }
-  }
-
-  /**
-   * The name of a file of the map on show.
-   * @param {string} ending
-   */
-  nameOf(ending) {
-    const { request, question } = this.view;
-    const { scenario, stored } = request;
-    const base = stored ? stored.replace(/\.(zarr\.zip|zarr|nc|csv|parquet)$/, "")
-      : `latolato_map_${scenario ?? question?.options.system}`;
-    return `${base}.${ending}`;
-  }
-
-  /**
-   * Write a file in the page; a stored map has its table from the program.
-   * @param {string} kind
-   */
-  async write(kind) {
-    const { view } = this;
-    const { question } = view;
-    const grid = /** @type {import("./grid.js").Grid} */ (view.grid);
-    if (kind === "screen") {
-      this.keep(await pictureOf(view), this.nameOf("png"), 0);
-      return;
-    }
-    if (!question) {
-      await this.make("csv");
-      return;
-    }
-    const missing = grid.width * grid.height - grid.done;
-    this.keep(new Blob([csvOf(question, grid)], { type: "text/csv" }),
-      this.nameOf(missing ? "unfinished.csv" : "csv"), missing);
-  }
-
-  /**
-   * Let the program make a file; it computes a map of the page once more.
-   * @param {string} kind
-   */
-  async make(kind) {
-    const { view } = this;
-    const request = { kind, ...fileRequestOf(view, /** @type {import("./grid.js").Grid} */ (view.grid)) };
-    const block = await this.job.run("ws/map/file", request);
-    if (!block) return;
-    const { type, missing } = block.about;
-    this.keep(fileOf(block, "file", type), this.nameOf(missing ? `unfinished.${kind}` : kind), missing);
   }
 
   /**
    * @param {Blob} file
-   * @param {string} name
+   * @param {string} ending
    * @param {number} missing points that are not computed
    */
-  keep(file, name, missing) {
+  keep(file, ending, missing) {
+    const { request: { scenario, stored }, question } = this.view;
+    const base = stored ? stored.replace(/\.(zarr\.zip|zarr|nc|csv|parquet)$/, "")
+      : `latolato_map_${scenario ?? question?.options.system}`;
+    const name = `${base}${missing ? ".unfinished" : ""}.${ending}`;
     saveFile(file, name);
     notify(t(missing ? "mapStoredPart" : "stored", { name, missing }));
   }
@@ -124,9 +95,9 @@ function fileRequestOf({ chart, over, page, question, request }, grid) {
   const contoured = contours && grid.variables[contours.variable];
   const levels = [...new Set(chart.contours.map(({ level }) => level))];
   const map = question ? tablesOf(question) : { stored: request.stored, select: request.select };
-  return { ...map, xlog: grid.xAxis.log, ylog: grid.yAxis.log, observable: name, ball, scale, log, limits,
+  return { ...map, xlog: grid.x.log, ylog: grid.y.log, observable: name, ball, scale, log, limits,
     contours: contoured && levels.length
       ? { observable: contoured.name, ball: contoured.ball, levels } : null,
-    overlays: over.shown().map((line) => line.name), trials: over.trials,
+    overlays: over.shown().flatMap(({ name }) => THEORY[name] ?? []), trials: over.trials,
     curves: over.shownCurves().map((curve) => curve.text) };
 }

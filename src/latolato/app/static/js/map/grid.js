@@ -4,14 +4,16 @@ import { axisLimits, SINGLE } from "../player/axis.js";
 import { before } from "../player/motion.js";
 
 /**
- * What a map begins with: what it is of, and the middles and borders of its cells. Of `about`,
- * `parameters` are those of the system that do not vary [SI], by their names, and `laws` all that
- * system and drive are of.
- * @typedef {{about: {x: Axis & {log: boolean}, y: Axis & {log: boolean}, observable: string, title: string,
- *   statuses: string[], variables: Variable[], parameters: Record<string, number>,
- *   laws: Record<string, any>, has_contact: boolean, python: string, command: string, stored?: Stored},
- *   arrays: Record<"x" | "y" | "x_edges" | "y_edges", Float64Array>,
- *   optionsOf?: (cell: number) => Record<string, any>}} Begin
+ * What a map is of: `parameters` are those of the system that do not vary [SI], by their names, and
+ * `laws` all that system and drive are of.
+ * @typedef {{observable: string, title: string, statuses: string[], variables: Variable[],
+ *   parameters: Record<string, number>, laws: Record<string, any>, has_contact: boolean, python: string,
+ *   command: string, stored?: Stored}} About
+ *
+ * An axis: what varies along it, and the middles and borders of its cells [SI].
+ * @typedef {{name: string, label: string, symbol: string, unit: string, log: boolean,
+ *   units: {name: string, size: number}[], allowed?: (number | null)[],
+ *   values: Float64Array, edges: Float64Array}} Axis
  *
  * The metadata of a stored map: the variables that it has, further dimensions with the value that is
  * taken, points that are not computed, and what its points run with [SI]: options, the values of all
@@ -26,9 +28,6 @@ import { before } from "../player/motion.js";
  * @typedef {{cell: Int32Array, stride: Uint8Array, status: ArrayLike<number>,
  *   values: ArrayLike<number>[]}} Cells
  */
-/** @typedef {{name: string, label: string, symbol: string, unit: string, log?: boolean,
- *   units: {name: string, size: number}[], allowed?: (number | null)[],
- *   suggested?: [number, number]}} Axis */
 /** @typedef {{name: string, ball: string | null, label: string, symbol: string, unit: string,
  *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
  *   scale?: string, words: import("./words.js").Words}} Variable `log` and `scale` are the usual
@@ -50,22 +49,20 @@ export function cellAt(edges, value) {
 }
 
 export class Grid {
-  /** @param {Begin} begin */
-  constructor(begin) {
-    this.about = begin.about;
-    this.optionsOf = begin.optionsOf;
-    /** @type {Axis} */
-    this.xAxis = begin.about.x;
-    /** @type {Axis} */
-    this.yAxis = begin.about.y;
-    /** @type {Variable[]} */
-    this.variables = begin.about.variables;
-    this.x = begin.arrays.x;
-    this.y = begin.arrays.y;
-    this.xEdges = begin.arrays.x_edges;
-    this.yEdges = begin.arrays.y_edges;
-    this.width = this.x.length;
-    this.height = this.y.length;
+  /**
+   * @param {About} about
+   * @param {Axis} x
+   * @param {Axis} y
+   * @param {(cell: number) => Record<string, any>} optionsOf returns the options of the run of a cell
+   */
+  constructor(about, x, y, optionsOf) {
+    this.about = about;
+    this.x = x;
+    this.y = y;
+    this.optionsOf = optionsOf;
+    this.variables = about.variables;
+    this.width = x.values.length;
+    this.height = y.values.length;
     const count = this.width * this.height;
     this.values = this.variables.map(() => new Float64Array(count).fill(NaN));
     this.status = new Uint8Array(count).fill(NOT_YET);
@@ -73,7 +70,11 @@ export class Grid {
     this.stride = new Uint8Array(count).fill(NOT_YET);
     /** How many cells have their own point. */
     this.done = 0;
-    this.complete = false;
+  }
+
+  /** Return whether a cell has its own point. @param {number} at */
+  isKnown(at) {
+    return this.stride[at] === 1;
   }
 
   /**
@@ -95,7 +96,7 @@ export class Grid {
         for (let c = Math.max(0, middleColumn - half); c < right; c += 1) {
           const at = r * this.width + c;
           const own = at === cell[i];
-          if (own && this.stride[at] !== 1) this.done += 1;
+          if (own && !this.isKnown(at)) this.done += 1;
           if (!own && this.stride[at] <= s) continue;
           this.stride[at] = own ? 1 : s;
           this.status[at] = status[i];
@@ -125,7 +126,7 @@ export class Grid {
     const status = this.status[at];
     const value = this.values[k]?.[at] ?? NaN;
     const name = this.about.statuses?.[status] ?? "";
-    const exact = this.stride[at] === 1;
+    const exact = this.isKnown(at);
     if (status === NOT_YET) return { value: NaN, why: "notYet", status: "", exact };
     if (status >= FIRST_BAD) return { value: NaN, why: "noAnswer", status: name, exact };
     return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };

@@ -35,7 +35,7 @@ export async function pictureOf({ chart, bar, grid, barTitle, classes }) {
     context.font = `${bold ? "600 " : ""}${13 * ratio}px system-ui, sans-serif`;
     context.fillText(text, x, y);
   };
-  write(grid?.about.title || `${axisLabel(/** @type {any} */ (grid).yAxis)}`, 0, 0, true);
+  write(grid?.about.title || `${axisLabel(/** @type {any} */ (grid).y)}`, 0, 0, true);
   let top = place(1);
   context.drawImage(chart.canvas, 0, top);
   top += chart.canvas.height;

@@ -1,107 +1,61 @@
-/** Points of maps that have been computed: what goes on, moves or zooms out begins with these. */
+/** Maps that were looked at: what goes on, moves or zooms out begins with their points. */
 
-import { NOT_YET } from "./grid.js";
+import { inOrder } from "./plan.js";
 
-/**
- * @typedef {import("./plan.js").Plan} Plan
- * @typedef {{plan: Plan, key: string, status: Uint8Array, values: Float64Array[]}} Known
- */
+/** @typedef {import("./grid.js").Grid} Grid */
 
 // Maps that were looked at last stay in memory.
 const MOST_MAPS = 8;
 // Values of an axis this close, in spacings, are the same: those of a moved map are rounded.
 const SAME = 1e-6;
 
-export class Memory {
+export class KnownMaps {
   constructor() {
-    /** @type {Known[]} the last one first */
+    /** @type {{key: string, grid: Grid}[]} the last one first */
     this.maps = [];
   }
 
   /**
-   * The known points of a map, including those that it shares with other maps.
-   * @param {Plan} plan
-   * @param {number} rows how many numbers a point has
+   * Put the points into a new map that it shares with those before, and remember it.
+   * @param {Grid} grid
+   * @param {import("./plan.js").Plan} plan
    */
-  begin(plan, rows) {
-    const { x, y, ...others } = plan;
-    const key = JSON.stringify([others, x.name, y.name]);
-    const count = x.values.length * y.values.length;
-    const known = { plan, key, status: new Uint8Array(count).fill(NOT_YET),
-      values: Array.from({ length: rows }, () => new Float64Array(count)) };
-    // Kicks are those of a cell's number, which another map counts otherwise.
-    const isSame = (/** @type {Known} */ other) => !("noise_strength" in plan.parameters)
-      || (String(other.plan.x.values) === String(x.values)
-        && String(other.plan.y.values) === String(y.values));
-    for (const other of this.maps) if (other.key === key && isSame(other)) takeOver(known, other);
-    this.maps = [known, ...this.maps].slice(0, MOST_MAPS);
-    return known;
+  add(grid, { x, y, ...others }) {
+    // Kicks are those of a cell's number, which a map with other axes counts otherwise.
+    const key = JSON.stringify([others, "noise_strength" in others.parameters ? [x, y] : [x.name, y.name]]);
+    for (const other of this.maps) if (other.key === key) takeOver(grid, other.grid);
+    this.maps = [{ key, grid }, ...this.maps].slice(0, MOST_MAPS);
   }
-}
-
-/**
- * Return the cells of a map that are computed.
- * @param {Known} known
- */
-export function cellsOf({ status }) {
-  return Int32Array.from([...status.keys()].filter((cell) => status[cell] !== NOT_YET));
-}
-
-/**
- * Write points of a map.
- * @param {Known} known
- * @param {Int32Array} cells
- * @param {{status: ArrayLike<number>, values: ArrayLike<number>[]}} points
- */
-export function put(known, cells, { status, values }) {
-  cells.forEach((cell, k) => {
-    known.status[cell] = status[k];
-    known.values.forEach((row, i) => {
-      row[cell] = values[i][k];
-    });
-  });
-}
-
-/**
- * Return the values of some cells.
- * @param {Known} known
- * @param {Int32Array} cells
- */
-export function pointsAt({ status, values }, cells) {
-  return { status: Uint8Array.from(cells, (cell) => status[cell]),
-    values: values.map((row) => Float64Array.from(cells, (cell) => row[cell])) };
 }
 
 /**
  * Put the points of another map where the same ones of this map are not known yet.
- * @param {Known} known
- * @param {Known} other
+ * @param {Grid} grid
+ * @param {Grid} other
  */
-function takeOver(known, other) {
-  const columns = shared(known.plan.x.values, other.plan.x.values);
-  const rows = shared(known.plan.y.values, other.plan.y.values);
-  const [width, there] = [known.plan.x.values.length, other.plan.x.values.length];
-  const pairs = rows.flatMap(([row, from]) => columns.map(([column, at]) =>
-    [row * width + column, from * there + at]));
-  const fresh = pairs.filter(([cell, from]) =>
-    known.status[cell] === NOT_YET && other.status[from] !== NOT_YET);
-  put(known, Int32Array.from(fresh, ([cell]) => cell),
-    pointsAt(other, Int32Array.from(fresh, ([, from]) => from)));
+function takeOver(grid, other) {
+  const [columns, rows] = [placesIn(other.x.values, grid.x.values), placesIn(other.y.values, grid.y.values)];
+  const { cells, strides } = inOrder(grid.width, grid.height);
+  const from = Array.from(cells, (cell) => {
+    const [column, row] = [columns[cell % grid.width], rows[Math.floor(cell / grid.width)]];
+    return column < 0 || row < 0 ? -1 : row * other.width + column;
+  });
+  const shared = [...cells.keys()].filter((k) => other.isKnown(from[k]) && !grid.isKnown(cells[k]));
+  grid.put({ cell: Int32Array.from(shared, (k) => cells[k]), stride: Uint8Array.from(shared, (k) => strides[k]),
+    status: shared.map((k) => other.status[from[k]]),
+    values: other.values.map((row) => shared.map((k) => row[from[k]])) });
 }
 
 /**
- * Return the places of equal values of two axes, in pairs.
- * @param {ArrayLike<number>} here
+ * Return where the values of an axis are among those of another, -1 for those that it lacks.
  * @param {ArrayLike<number>} there
+ * @param {ArrayLike<number>} here
  */
-function shared(here, there) {
-  const size = here.length;
-  const spacing = size > 1 ? Math.abs(here[1] - here[0]) : Math.abs(here[0]) || 1;
-  /** @type {[number, number][]} */
-  const pairs = [];
-  for (let i = 0, k = 0; i < size; i += 1) {
-    while (k < there.length - 1 && there[k] < here[i] - SAME * spacing) k += 1;
-    if (Math.abs(there[k] - here[i]) <= SAME * spacing) pairs.push([i, k]);
-  }
-  return pairs;
+function placesIn(there, here) {
+  const close = SAME * (Math.abs(here[1] - here[0]) || Math.abs(here[0]) || 1);
+  let k = 0;
+  return Array.from(here, (value) => {
+    while (k < there.length - 1 && there[k] < value - close) k += 1;
+    return Math.abs(there[k] - value) <= close ? k : -1;
+  });
 }

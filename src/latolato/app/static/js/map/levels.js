@@ -1,6 +1,7 @@
 /** Lines along which the values of a map are equal, and round levels for them. */
 
 import { InputError } from "../model/rules.js";
+import { logTicks, ticks } from "../player/axis.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -12,11 +13,6 @@ export const MOST_LEVELS = 20;
 const MOST_CORNERS = 2e6;
 // About so many levels are chosen.
 const USUAL = 6;
-const STEPS = [1, 2, 2.5, 5, 10];
-// Steps of angles in degrees: parts of a turn.
-const DEGREES = [1, 2, 5, 10, 15, 30, 45, 90, 180, 360];
-// Levels of a logarithmic scale over fewer decades are 1, 2, 5, 10 ..., over more powers of ten.
-const FEW_DECADES = 2.5;
 // A line that stays within fewer cells than this says nothing: a single point stands out.
 const TINY = 2;
 const FEW = 12; // points along a side
@@ -25,40 +21,14 @@ const FEW = 12; // points along a side
  * Return about six round numbers between two values, the ends left out.
  * @param {number} low
  * @param {number} high
- * @param {{name: string, size: number}} unit in which they are round
+ * @param {number} size of the unit in which they are round
  * @param {boolean} log whether they are spaced evenly in their logarithm
- * @returns {number[]}
  */
-export function roundLevels(low, high, { name, size }, log) {
+export function roundLevels(low, high, size, log) {
   const [first, last] = [low / size, high / size];
-  if (!Number.isFinite(first) || !Number.isFinite(last) || !(first < last)) return [];
-  if (log && first > 0) return powers(first, last).map((level) => level * size);
-  const rough = (last - first) / USUAL;
-  const power = Math.floor(Math.log10(rough));
-  const steps = name === "deg" && rough > 0.5 && rough < 360
-    ? DEGREES : STEPS.map((step) => step * Number(`1e${power}`));
-  const far = (/** @type {number} */ step) => Math.abs(Math.log(step / rough));
-  const step = steps.reduce((best, each) => (far(each) < far(best) ? each : best));
-  const levels = [];
-  // Written with few digits, so that 3 steps of 0.1 are 0.3.
-  for (let k = Math.floor(first / step) + 1; k < Math.ceil(last / step); k += 1)
-    levels.push(Number((k * step).toPrecision(10)) * size);
-  return levels;
-}
-
-/**
- * Return round numbers that are evenly spaced in their logarithm.
- * @param {number} first
- * @param {number} last
- */
-function powers(first, last) {
-  const decades = Math.log10(last / first);
-  const digits = decades < FEW_DECADES ? [1, 2, 5] : [1];
-  const step = Math.max(1, Math.round(decades / USUAL));
-  const levels = [];
-  for (let k = Math.floor(Math.log10(first)); k <= Math.ceil(Math.log10(last)); k += 1)
-    if (k % step === 0) levels.push(...digits.map((digit) => Number(`${digit}e${k}`)));
-  return levels.filter((level) => first < level && level < last);
+  if (!(first < last)) return [];
+  const marks = log && first > 0 ? logTicks(first, last, USUAL).marks : ticks(first, last, USUAL);
+  return marks.filter((mark) => first < mark && mark < last).map((mark) => mark * size);
 }
 
 /**
@@ -76,7 +46,7 @@ function powers(first, last) {
 export function linesOf(grid, variable, levels) {
   const stride = completeStride(grid);
   const every = (/** @type {Float64Array} */ values) => values.filter((_, i) => i % stride === 0);
-  const [x, y] = [every(grid.x), every(grid.y)];
+  const [x, y] = [every(grid.x.values), every(grid.y.values)];
   if (Math.min(x.length, y.length) < 2) return { lines: [], tiny: 0 };
   const values = grid.values[variable].filter((_, at) =>
     (at % grid.width) % stride === 0 && Math.floor(at / grid.width) % stride === 0);
@@ -87,8 +57,8 @@ export function linesOf(grid, variable, levels) {
   const isSmall = Math.min(x.length, y.length) < FEW;
   const kept = all.filter(({ xs, ys }) => isSmall || Math.max(extent(xs), extent(ys)) >= TINY);
   return { tiny: all.length - kept.length, lines: kept.map(({ level, xs, ys }) => ({ level,
-    xs: xs.map((place) => valueAt(x, place, Boolean(grid.xAxis.log))),
-    ys: ys.map((place) => valueAt(y, place, Boolean(grid.yAxis.log))) })) };
+    xs: xs.map((place) => valueAt(x, place, grid.x.log)),
+    ys: ys.map((place) => valueAt(y, place, grid.y.log)) })) };
 }
 
 /**

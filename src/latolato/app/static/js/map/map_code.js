@@ -1,9 +1,8 @@
 /** The lines of Python and of the command line that compute a map again. */
 
-import { constructor, isUsual, literal } from "../model/run_code.js";
+import { constructor, isUsual, literal, runArguments } from "../model/run_code.js";
 
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
-/** @typedef {import("./choices.js").Span} Span */
 
 // Options of a run that a sweep does not take, or takes under its own numbers.
 const OF_ONE_RUN = ["times", "samples", "frame", "duration", "tolerance"];
@@ -16,23 +15,16 @@ const SIDES = ["right", "left"];
  */
 export function sweepLines(question) {
   const { registry, options, watched } = question;
-  const { systems, drives, contact_laws: laws } = registry;
+  const { systems, drives } = registry;
   const lines = ["import numpy as np", "import latolato as ll", "",
     `system = ${constructor(registry, systems[options.system], options)}`,
     `drive = ${constructor(registry, drives[options.drive], options)}`,
     "grid = ll.sweep(", "    system, drive,", "    axes={",
-    ...spans(question).map(([span, count]) => `        "${span.name}": np.`
-      + `${span.log ? "geomspace" : "linspace"}(${ends(span).join(", ")}, ${count}),`), "    },",
+    ...[question.y, question.x].map((axis) => `        "${axis.name}": np.`
+      + `${axis.log ? "geomspace" : "linspace"}(${ends(axis).join(", ")}, ${axis.values.length}),`), "    },",
     `    observables=[${watched.map((each) => inPython(question, each)).join(", ")}],`];
-  for (const [name, value] of given(question, "run")) {
-    if (laws[options.contact]?.options.includes(name)) continue;
-    const isLaw = name === "contact" && laws[value].options.length;
-    lines.push(`    ${name}=${isLaw ? constructor(registry, laws[value], options)
-      : literal(registry.options[name], value)},`);
-  }
-  const noise = given(question, "noise").map(([name, value]) =>
-    `${name}=${literal(registry.options[name], value)}`);
-  if (noise.length) lines.push(`    noise=ll.VelocityKicks(${noise.join(", ")}),`);
+  const run = runArguments(registry, options, setOtherwise(question));
+  lines.push(...run.map((each) => `    ${each},`));
   return [...lines, ...numbers(question).map(([name, value]) => `    ${name}=${value},`), ")"].join("\n");
 }
 
@@ -45,7 +37,10 @@ export function sweepCommand(question) {
   const words = ["latolato", "sweep"];
   const flag = (/** @type {string} */ name) => `--${name.replaceAll("_", "-")}`;
   const varied = [question.x.name, question.y.name];
-  for (const [name, value] of given(question)) {
+  const gone = setOtherwise(question);
+  for (const [name, option] of Object.entries(registry.options)) {
+    const value = options[name];
+    if (gone.includes(name) || isUsual(option, value)) continue;
     const sides = SIDES.map((side) => `${name}_${side}`);
     if (sides.some((each) => varied.includes(each))) {
       // Where one ball's value varies, that of the other one is an axis of one value.
@@ -59,10 +54,9 @@ export function sweepCommand(question) {
     if (value !== true) words.push([value].flat().join(", "));
   }
   for (const [name, value] of numbers(question)) words.push(flag(name), value);
-  for (const [span, count] of spans(question)) {
-    const { unit } = registry.axes[span.name];
-    const tail = `${span.log ? " log" : ""}${unit === "1" ? "" : ` ${unit}`}`;
-    words.push("--axis", `${span.name} = ${ends(span).join(" : ")} : ${count}${tail}`);
+  for (const axis of [question.y, question.x]) {
+    const tail = `${axis.log ? " log" : ""}${axis.unit === "1" ? "" : ` ${axis.unit}`}`;
+    words.push("--axis", `${axis.name} = ${ends(axis).join(" : ")} : ${axis.values.length}${tail}`);
   }
   for (const each of watched) {
     const own = changed(question, each).map(([name, value]) => `${name} = ${value}`);
@@ -71,34 +65,18 @@ export function sweepCommand(question) {
   return words.map((word) => (/^[\w@%+=:,./-]+$/.test(word) ? word : `'${word}'`)).join(" ");
 }
 
-/**
- * Return both axes with their numbers of points, the one upwards first.
- * @param {MapQuestion} question
- * @returns {[Span, number][]}
- */
-function spans({ x, y, request: { width, height } }) {
-  return [[y, height], [x, width]];
-}
-
-/** @param {Span} span */
+/** @param {import("./choices.js").Span} axis */
 function ends({ low, high }) {
   return [low, high].map((end) => literal(/** @type {any} */ (NUMBER), end));
 }
 
 /**
- * Return the options that are given, in their order, without those that axes set, and with the
- * default of a law left out.
+ * Return the names of options that axes set, or that a sweep does not take.
  * @param {MapQuestion} question
- * @param {string} [owner]
- * @returns {[string, any][]}
  */
-function given({ registry, options, x, y }, owner) {
+function setOtherwise({ registry, x, y }) {
   const varied = [x, y].map(({ name }) => registry.axes[name].sets);
-  const gone = [...OF_ONE_RUN, ...varied, ...(varied.includes("initial_angle") ? ["initial_offset"] : [])];
-  return Object.entries(registry.options)
-    .filter(([name, option]) => (owner === undefined || option.owner === owner)
-      && !isUsual(option, options[name]) && !gone.includes(name))
-    .map(([name]) => /** @type {[string, any]} */ ([name, options[name]]));
+  return [...OF_ONE_RUN, ...varied, ...(varied.includes("initial_angle") ? ["initial_offset"] : [])];
 }
 
 /**

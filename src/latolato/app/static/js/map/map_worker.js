@@ -5,7 +5,7 @@ import { Kernels } from "../kernels/memory.js";
 import { pointsOf, variablesOf } from "./plan.js";
 
 /**
- * First comes the module, then a map, then cells of it.
+ * First comes the module, then cells of a map.
  * @typedef {{module: WebAssembly.Module, name: string, layout: import("../kernels/memory.js").Layout}
  *   } WorkerStart
  * @typedef {{start?: WorkerStart, plan?: import("./plan.js").Plan, cells?: Int32Array}} Message
@@ -13,14 +13,10 @@ import { pointsOf, variablesOf } from "./plan.js";
 
 /** @type {Promise<Kernels>} */
 let kernels;
-/** @type {import("./plan.js").Plan} */
-let plan;
-
 self.addEventListener("message", async ({ data }) => {
-  const { start, cells } = /** @type {Message} */ (data);
+  const { start, plan, cells } = /** @type {Message} */ (data);
   if (start) kernels = Kernels.start(start.module, start.name, start.layout);
-  plan = data.plan ?? plan;
-  if (!cells) return;
+  if (!plan || !cells) return;
   try {
     const ready = await kernels;
     const begin = performance.now();

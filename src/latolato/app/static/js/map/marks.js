@@ -4,44 +4,30 @@ import { colour } from "../page/dom.js";
 import { outline } from "../player/canvas.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
-/** @typedef {import("./chart.js").ChartLine} ChartLine */
 /** @typedef {import("./chart.js").Trials} Trials */
 
-const MARK = 5.5;
+const SIGN = 15; // pixels of the page
 // A curve of bifurcations has its colour on white on black: one of them shows on any cells.
 const DARK = "#1f2430";
 const LIGHT = "#ffffff";
-// Corners of the marks of special points by matplotlib's names of them; others are dots.
-/** @type {Record<string, number[][]>} */
-const CORNERS = {
-  v: [[0, 1], [-1, -0.8], [1, -0.8]], "^": [[0, -1], [1, 0.8], [-1, 0.8]],
-  s: [[-0.9, -0.9], [0.9, -0.9], [0.9, 0.9], [-0.9, 0.9]], D: [[0, -1.2], [1.2, 0], [0, 1.2], [-1.2, 0]],
-  p: [[0, -1.1], [1.05, -0.34], [0.65, 0.89], [-0.65, 0.89], [-1.05, -0.34]],
-  X: [[-1, -0.5], [-0.5, -1], [0, -0.5], [0.5, -1], [1, -0.5], [0.5, 0], [1, 0.5], [0.5, 1], [0, 0.5],
-    [-0.5, 1], [-1, 0.5], [-0.5, 0]],
-};
+/**
+ * Signs of special points of curves, by matplotlib's names of their marks, and of classes of trials.
+ * @type {Record<string, string>}
+ */
+export const SIGNS = { v: "▼", s: "■", D: "◆", p: "⬟", o: "●", "^": "▲", X: "✖",
+  none: "●", weak: "▲", strong: "◆" };
+/** Classes of trials, by the number that sweeps give them. */
+export const CLASSES = ["none", "weak", "strong"];
 
 /**
- * Draw a curve that shows on dark and on light cells.
+ * Draw a line that shows on dark and on light cells: solid where stable motions end, dashed elsewhere, with
+ * its special points.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
- * @param {ChartLine} line
+ * @param {import("./curves.js").Line} line
  * @param {number} ratio
  */
-export function drawLine(chart, context, { xs, ys, dashed }, ratio) {
-  const path = new Path2D();
-  addLine(chart, path, xs, ys, 0, xs.length);
-  outline(context, path, [DARK, 3.6 * ratio], [LIGHT, 1.8 * ratio, dashed ? [7 * ratio, 4 * ratio] : []]);
-}
-
-/**
- * Draw a curve of bifurcations: solid where stable motions end, dashed elsewhere, with its special points.
- * @param {MapChart} chart
- * @param {CanvasRenderingContext2D} context
- * @param {import("./curves.js").PlacedCurve} curve
- * @param {number} ratio
- */
-export function drawCurve(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {
+export function drawLine(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {
   const [solid, dashed] = [new Path2D(), new Path2D()];
   for (let begin = 0; begin < edges.length;) {
     let end = begin + 1;
@@ -50,19 +36,14 @@ export function drawCurve(chart, context, { xs, ys, edges, colour: paint, marks 
     addLine(chart, edges[begin] ? solid : dashed, xs, ys, begin, Math.min(end + 1, xs.length));
     begin = end;
   }
-  for (const path of [solid, dashed]) outline(context, path, [DARK, 5.6 * ratio], [LIGHT, 4.2 * ratio]);
-  outline(context, solid, [paint, 2.4 * ratio]);
-  outline(context, dashed, [paint, 2.4 * ratio, [6 * ratio, 4 * ratio]]);
+  for (const path of [solid, dashed]) {
+    const dash = path === dashed ? [6 * ratio, 4 * ratio] : [];
+    if (paint) outline(context, path, [DARK, 5.6 * ratio], [LIGHT, 4.2 * ratio], [paint, 2.4 * ratio, dash]);
+    else outline(context, path, [DARK, 3.6 * ratio], [LIGHT, 1.8 * ratio, dash]);
+  }
   for (const { x, y, mark } of marks) {
     const [left, top] = chart.place(x, y);
-    const path = new Path2D();
-    if (!CORNERS[mark]) path.arc(left, top, MARK * ratio, 0, 2 * Math.PI);
-    CORNERS[mark]?.forEach(([dx, dy], i) =>
-      path[i ? "lineTo" : "moveTo"](left + dx * MARK * ratio, top + dy * MARK * ratio));
-    path.closePath();
-    outline(context, path, [DARK, 4 * ratio], [LIGHT, 2.6 * ratio]);
-    context.fillStyle = paint;
-    context.fill(path);
+    drawSign(context, SIGNS[mark] ?? SIGNS.o, left, top, ratio, paint);
   }
 }
 
@@ -98,10 +79,10 @@ function addLine(chart, path, xs, ys, begin, end) {
  * @param {number} ratio
  */
 export function drawTrials(chart, context, { xs, ys, kinds }, ratio) {
-  const paints = ["trial-none", "trial-weak", "trial-strong"];
   for (let i = 0; i < xs.length; i += 1) {
     const [x, y] = chart.place(xs[i], ys[i]);
-    drawMark(context, kinds[i], x, y, MARK * ratio, colour(paints[kinds[i]], chart.canvas));
+    const name = CLASSES[kinds[i]];
+    drawSign(context, SIGNS[name], x, y, ratio, colour(`trial-${name}`, chart.canvas));
   }
 }
 
@@ -123,25 +104,25 @@ export function drawCross(chart, context, cross, ratio) {
 }
 
 /**
- * Draw the mark of a trial: a dot (none), a triangle (weak), a diamond (strong).
+ * Draw a sign about its middle.
  * @param {CanvasRenderingContext2D} context
- * @param {number} kind
+ * @param {string} sign
  * @param {number} x
  * @param {number} y
- * @param {number} size
+ * @param {number} ratio
  * @param {string} paint
  */
-function drawMark(context, kind, x, y, size, paint) {
-  const path = new Path2D();
-  if (kind === 0) path.arc(x, y, size, 0, 2 * Math.PI);
-  else {
-    const corners = kind === 1 ? [[0, -1.2], [1.1, 0.8], [-1.1, 0.8]]
-      : [[0, -1.3], [1.3, 0], [0, 1.3], [-1.3, 0]];
-    corners.forEach(([dx, dy], i) =>
-      path[i ? "lineTo" : "moveTo"](x + dx * size, y + dy * size));
-    path.closePath();
+function drawSign(context, sign, x, y, ratio, paint) {
+  context.font = `${SIGN * ratio}px system-ui, sans-serif`;
+  context.textAlign = "center";
+  const { actualBoundingBoxAscent: above, actualBoundingBoxDescent: below } = context.measureText(sign);
+  const base = y + 0.5 * (above - below);
+  context.lineJoin = "round";
+  for (const [ink, width] of /** @type {const} */ ([[DARK, 4], [LIGHT, 2.4]])) {
+    context.strokeStyle = ink;
+    context.lineWidth = width * ratio;
+    context.strokeText(sign, x, base);
   }
   context.fillStyle = paint;
-  context.fill(path);
-  outline(context, path, ["#ffffff", size / 2.6], ["#000000", size / 6]);
+  context.fillText(sign, x, base);
 }

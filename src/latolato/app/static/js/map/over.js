@@ -1,8 +1,10 @@
 /** What is drawn over a map: curves of theory and of bifurcations, trials, contour lines. */
 
 import { InputError } from "../model/rules.js";
+import { readQuantity } from "../page/entry.js";
 import { inPagesWords } from "../page/refusals.js";
 import { loadText } from "../kernels/files.js";
+import { sizeOf } from "./axes.js";
 import { lookOf } from "./colours.js";
 import { holdsCurves, parseCurves, placedCurve, pointNear } from "./curves.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
@@ -15,15 +17,12 @@ import { t } from "../strings.js";
 /** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-/** @typedef {import("./theory.js").NamedLine} NamedLine */
-/** @typedef {{variable: number, levels: number[] | null, log: boolean}} OverlayQuestion place of the
- *   variable, levels or null for round ones, whether these follow a logarithmic scale */
+/** @typedef {{variable: number, text: string | null, levels: number[] | null, log: boolean}} OverlayQuestion place of
+ *   the variable, levels and their text or null for round ones, whether these follow a logarithmic scale */
 /** @typedef {{levels: number[], lines: number, tiny: number}} Drawn levels, their lines, and how many
  *   are left out because they are tiny */
 
-/** Names of the address that switch a curve off. */
-const SWITCHES = { tongue: "map.tongue", lift_off: "map.lift" };
-/** The name of the address that lists the bifurcation curves that are switched off. */
+/** The name of the address that lists the lines that are switched off. */
 const OFF = "map.off";
 // A click this near to a curve is one on it.
 const NEAR = 8; // pixels of the page
@@ -33,14 +32,12 @@ export class Over {
   /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
-    /** @type {NamedLine[]} */
+    /** @type {import("./curves.js").Line[]} of theory and of bifurcations over the map on show */
     this.lines = [];
     /** @type {string | null} text of a trial table */
     this.trials = null;
     /** @type {string[]} texts of bifurcation curves from files */
     this.files = [];
-    /** @type {import("./curves.js").PlacedCurve[]} bifurcation curves over the map on show */
-    this.curves = [];
     /** @type {Map<string, string>} texts of shipped curves, by their paths */
     this.shipped = new Map();
     /** @type {Grid | null} the map whose contour lines are drawn, and what was asked of it */
@@ -48,32 +45,22 @@ export class Over {
     this.drawn = "";
   }
 
-  /** Take theory and trials over the map on show; they are drawn with its next picture. */
+  /** Take lines and trials over the map on show; they are drawn with its next picture. */
   place() {
-    const { view } = this;
-    const { grid } = view;
+    const { grid, chart, controls, page } = this.view;
     if (!grid) return;
-    const { over } = view.controls;
-    this.lines = [];
-    view.chart.trials = null;
     /** @type {string[]} */
     const notes = [];
     const placing = this.attempt(() => new Placing(grid), notes);
-    if (placing) {
-      for (const curve of [tongue, liftOff]) {
-        const line = this.attempt(() => curve(placing), notes);
-        if (line) this.lines.push(line);
-      }
-    }
-    over.showCurves(this.lines, notes);
+    const theory = placing ? [tongue, liftOff].flatMap((line) => this.attempt(() => line(placing), notes) ?? []) : [];
+    this.lines = [...theory, ...this.curves(grid, notes)];
+    controls.over.showLines(this.lines, [...new Set(notes)], () => this.off());
     /** @type {string[]} */
     const refused = [];
-    const { trials } = this;
-    const placed = trials !== null && placing && this.attempt(() =>
-      placedTrials(parseTrials(view.page.registry, trials), placing), refused);
-    if (placed) view.chart.trials = placed.trials;
-    over.showTrials(placed || null, refused);
-    this.placeCurves(grid);
+    const placed = this.trials !== null && placing ? this.attempt(() =>
+      placedTrials(parseTrials(page.registry, this.trials ?? ""), placing), refused) : null;
+    chart.trials = placed?.trials ?? null;
+    controls.over.showTrials(placed, refused);
   }
 
   /**
@@ -88,18 +75,17 @@ export class Over {
   }
 
   /**
-   * Place the curves of the map's scenario, of an analysis and of files.
+   * Return the curves of the map's scenario, of an analysis and of files.
    * @param {Grid} grid
+   * @param {string[]} notes
    */
-  placeCurves(grid) {
-    const { page, controls, request } = this.view;
+  curves(grid, notes) {
+    const { page, request } = this.view;
     const path = page.registry.scenarios[request.scenario]?.curves;
     if (path && !this.shipped.has(path)) void this.load(path);
-    /** @type {string[]} */
-    const notes = [];
     /** @type {Record<string, number>} */
     const counts = {};
-    this.curves = [this.shipped.get(path) ?? "", ...page.curves ?? [], ...this.files].flatMap((text) =>
+    return [this.shipped.get(path) ?? "", ...page.curves ?? [], ...this.files].flatMap((text) =>
       this.attempt(() => parseCurves(text), notes) ?? []).flatMap((curve) => {
       const placed = this.attempt(() => placedCurve(page.registry, curve, grid), notes);
       if (!placed) return [];
@@ -107,7 +93,6 @@ export class Over {
       return [{ ...placed, name: count > 1 ? `${curve.kind}_${count}` : curve.kind,
         label: count > 1 ? `${placed.label} ${count}` : placed.label }];
     });
-    controls.over.showBifurcations(this.curves, [...new Set(notes)], () => this.off());
   }
 
   /** @param {string} path of curves that come with the map's scenario */
@@ -125,15 +110,20 @@ export class Over {
     this.view.repaint();
   }
 
-  /** Return the names of the bifurcation curves that are switched off. */
+  /** Return the names of the lines that are switched off. */
   off() {
     return (this.view.page.store.state.extra[OFF] ?? "").split(",").filter(Boolean);
   }
 
-  /** Return the bifurcation curves that are switched on. */
-  shownCurves() {
+  /** Return the lines that are switched on. */
+  shown() {
     const off = this.off();
-    return this.curves.filter(({ name }) => !off.includes(name));
+    return this.lines.filter(({ name }) => !off.includes(name));
+  }
+
+  /** Return the curves of bifurcations that are switched on. */
+  shownCurves() {
+    return /** @type {import("./curves.js").PlacedCurve[]} */ (this.shown().filter((line) => "kind" in line));
   }
 
   /**
@@ -161,13 +151,6 @@ export class Over {
     }
   }
 
-  /** Return the curves that are switched on. */
-  shown() {
-    const { extra } = this.view.page.store.state;
-    return this.lines.filter(({ name }) =>
-      extra[/** @type {Record<string, string>} */ (SWITCHES)[name]] !== "0");
-  }
-
   /**
    * Take the contour lines that the address names once the map grows no more; those of another map
    * go.
@@ -176,16 +159,15 @@ export class Over {
     const { grid, chart, controls } = this.view;
     const question = this.question();
     const isLater = this.view.growing();
-    const text = JSON.stringify([question, isLater, grid?.done, grid?.complete]);
+    const text = JSON.stringify([question, isLater, grid?.done]);
     if (text === this.drawn && grid === this.drawnOn) return;
     [this.drawn, this.drawnOn] = [text, grid];
     /** @type {string[]} */
     const notes = [];
-    const variable = question && grid ? grid.variables[question.variable] : null;
-    const drawn = question && grid && !isLater
-      ? this.attempt(() => contoursOf(grid, question), notes) : null;
+    const drawn = question && grid && !isLater ? this.attempt(() => contoursOf(grid, question), notes) : null;
     chart.contours = drawn?.contours ?? [];
-    controls.over.showContours(variable, drawn, isLater, notes);
+    controls.over.showContours(question && grid ? grid.variables[question.variable] : null, question?.text ?? null,
+      drawn, isLater, notes);
   }
 
   /**
@@ -198,8 +180,9 @@ export class Over {
     const variable = grid && contourVariable(grid, extra);
     if (!grid || !variable) return null;
     const log = extra["map.contours"] === OF_COLOURS && lookOf(grid, extra).log;
-    return { variable: grid.variables.indexOf(variable), log,
-      levels: extra["map.levels"]?.split(",").map(Number) ?? null };
+    const text = extra["map.levels"] ?? null;
+    return { variable: grid.variables.indexOf(variable), log, text,
+      levels: text?.split(",").map((part) => readQuantity(page.registry, part, variable.unit).value) ?? null };
   }
 }
 
@@ -212,7 +195,7 @@ export class Over {
 function contoursOf(grid, { variable, levels, log }) {
   const about = grid.variables[variable];
   const all = levels ? checkedLevels(levels)
-    : roundLevels(...grid.range(variable, log), about.units[0] ?? { name: "", size: 1 }, log)
+    : roundLevels(...grid.range(variable, log), sizeOf(about), log)
       .slice(0, MOST_LEVELS);
   const { lines, tiny } = linesOf(grid, variable, all);
   return { levels: all, lines: lines.length, tiny,

@@ -36,9 +36,6 @@ const SIDES = ["right", "left"];
 // Differences of decimal times are rounded by so much, relatively.
 const ROUNDING = 1e-12;
 const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
-// Parameters that set the same thing: an axis replaces all of its group.
-const GROUPS = [["initial_angle", "initial_offset"], ["drive_frequency", "frequency_ratio"],
-  ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"]];
 
 /**
  * Return cells from coarse to fine, with the stride of the level of each: a level has every cell
@@ -114,11 +111,6 @@ function columnsOf({ angles = 1, parameters, x, y }, cells) {
   /** @type {Record<string, any>} */
   const columns = { ...parameters };
   const width = x.values.length;
-  for (const group of GROUPS) {
-    if (group.some((name) => name === x.name || name === y.name)) {
-      for (const name of group) delete columns[name];
-    }
-  }
   columns[x.name] = Float64Array.from(cells, (cell) => x.values[cell % width]);
   columns[y.name] = Float64Array.from(cells, (cell) => y.values[Math.floor(cell / width)]);
   const { gravity, [angles === 1 ? "length" : "right_length"]: length } = columns;

@@ -2,15 +2,6 @@
 
 import { followKeys } from "../page/keys.js";
 
-/** @typedef {import("./chart.js").MapChart} MapChart */
-/** @typedef {import("./chart.js").ChartBox} ChartBox */
-/**
- * @typedef {{hover: (at: [number, number] | null) => void, pick: (x: number, y: number) => void,
- *   box: (box: ChartBox) => void, pan: (columns: number, rows: number) => void, back: () => void,
- *   scale: (by: number) => void, step: (columns: number, rows: number) => void,
- *   enter: () => void, curve: (by: number) => void}} PointerListener
- */
-
 // A press that moves less is a click.
 const CLICK = 5; // pixels of the page
 const PAN_SHARE = 0.2;
@@ -18,13 +9,10 @@ const PAN_SHARE = 0.2;
 const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
 
 /**
- * Let a canvas follow the hand; returns what its keys do.
- * @param {HTMLElement} root what has the focus
- * @param {MapChart} chart
- * @param {PointerListener} listener
- * @param {() => boolean} panning whether dragging pans without the Shift key
+ * Let a map follow the hand; returns what its keys do.
+ * @param {import("./view.js").MapView} view
  */
-export function followHand(root, chart, listener, panning) {
+export function followHand({ field, chart, cursor, travel, tools }) {
   const { canvas } = chart;
   /** @type {{x: number, y: number, at: [number, number], pans: boolean} | null} */
   let pressed = null;
@@ -38,11 +26,11 @@ export function followHand(root, chart, listener, panning) {
   canvas.addEventListener("pointerdown", (e) => {
     const at = chart.at(e);
     if (!at || e.button !== 0) return;
-    pressed = { x: e.clientX, y: e.clientY, at, pans: e.shiftKey || panning() };
+    pressed = { x: e.clientX, y: e.clientY, at, pans: e.shiftKey || tools.panning };
     canvas.setPointerCapture(e.pointerId);
   });
   canvas.addEventListener("pointermove", (e) => {
-    if (!pressed) return listener.hover(chart.at(e));
+    if (!pressed) return cursor.describe(chart.at(e));
     if (!moved(e)) return;
     if (pressed.pans) {
       const ratio = window.devicePixelRatio || 1;
@@ -61,26 +49,26 @@ export function followHand(root, chart, listener, panning) {
     const { band } = chart;
     end();
     chart.draw();
-    if (!far) listener.pick(...at);
+    if (!far) void cursor.pick(...at);
     else if (pans && chart.grid) {
       const { width, height } = chart.frame();
       const ratio = window.devicePixelRatio || 1;
-      listener.pan(Math.round((-(e.clientX - x) * ratio * chart.grid.width) / width),
+      travel.pan(Math.round((-(e.clientX - x) * ratio * chart.grid.width) / width),
         Math.round(((e.clientY - y) * ratio * chart.grid.height) / height));
-    } else if (band) listener.box(band);
+    } else if (band) travel.zoom(band);
   });
   canvas.addEventListener("pointercancel", () => { end(); chart.draw(); });
-  canvas.addEventListener("pointerleave", () => { if (!pressed) listener.hover(null); });
+  canvas.addEventListener("pointerleave", () => { if (!pressed) cursor.describe(); });
   const move = (/** @type {KeyboardEvent} */ { key, shiftKey }) => {
     const [x, y] = WAYS[key];
     const [columns, rows] = [chart.grid?.width ?? 0, chart.grid?.height ?? 0].map((n) =>
       Math.max(1, Math.round(PAN_SHARE * n)));
-    if (shiftKey) listener.pan(x * columns, y * rows);
-    else listener.step(x, y);
+    if (shiftKey) travel.pan(x * columns, y * rows);
+    else cursor.step(x, y);
   };
   const leave = () => {
     if (!pressed) {
-      listener.back();
+      travel.back();
       return;
     }
     end();
@@ -89,14 +77,14 @@ export function followHand(root, chart, listener, panning) {
   /** @type {import("../page/keys.js").KeyActions} */
   const actions = {
     ...Object.fromEntries(Object.keys(WAYS).map((key) => [key, { text: "keyCross", act: move }])),
-    Enter: { text: "keyRun", act: () => listener.enter() },
-    c: { text: "keyCurve", act: () => listener.curve(1) },
-    C: { text: "keyCurve", act: () => listener.curve(-1) },
-    "+": { text: "keyZoomIn", act: () => listener.scale(0.5) },
-    "=": { text: "keyZoomIn", act: () => listener.scale(0.5) },
-    "-": { text: "keyZoomOut", act: () => listener.scale(2) },
+    Enter: { text: "keyRun", act: () => void cursor.run() },
+    c: { text: "keyCurve", act: () => void cursor.stepOnCurve(1) },
+    C: { text: "keyCurve", act: () => void cursor.stepOnCurve(-1) },
+    "+": { text: "keyZoomIn", act: () => travel.scale(0.5) },
+    "=": { text: "keyZoomIn", act: () => travel.scale(0.5) },
+    "-": { text: "keyZoomOut", act: () => travel.scale(2) },
     Escape: { text: "keyZoomBack", act: leave },
   };
-  followKeys(root, actions);
+  followKeys(field, actions);
   return actions;
 }

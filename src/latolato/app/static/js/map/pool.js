@@ -2,29 +2,26 @@
 
 import { loadKernels, loadLayout, loadModule } from "../kernels/load.js";
 import { countSteps, moduleOf } from "../kernels/map.js";
-import { cellsOf, Memory, pointsAt, put } from "./known.js";
-import { inOrder, pointsOf, variablesOf } from "./plan.js";
+import { inOrder, pointsOf } from "./plan.js";
 import { t } from "../strings.js";
 
 /**
  * @typedef {import("./plan.js").Plan} Plan
- * @typedef {{points: number, seconds: number, rate: number}} Progress points that are computed, in
- *   how long [s], and how many in a second
+ * @typedef {{points: number, seconds: number, rate: number, share: number}} Progress points that are computed,
+ *   in how long [s], how many in a second, and which share of all
  *
- * What becomes of a map: cells as they come, row after row of `variablesOf`, those first that other
- * maps have had; then its end, or what is wrong with it. A worker that dies is replaced, and
- * computes its cells again.
- * @typedef {object} PoolListener
- * @property {(cells: {cell: Int32Array, stride: Uint8Array, status: Uint8Array,
- *   values: Float64Array[]}, progress: Progress) => void} onCells
- * @property {(progress: Progress) => void} onDone
- * @property {(error: Error) => void} onError
- * @property {(message: string) => void} [onRestart]
+ * How a map is computed: with a `stride`, a power of two, only so many rows and columns; without the cells
+ * that are known. Of cells that come `values` has the rows of `variablesOf`. A worker that dies is
+ * replaced, and computes its cells again.
+ * @typedef {{stride?: number, isKnown?: (cell: number) => boolean,
+ *   onCells: (cells: import("./grid.js").Cells, progress: Progress) => void,
+ *   onRestart?: (message: string) => void}} How
  *
  * @typedef {Awaited<ReturnType<Pool["estimate"]>>} Estimate
  * @typedef {{cell: Int32Array, stride: Uint8Array, tries: number}} Batch
  * @typedef {Pick<Worker, "postMessage" | "terminate" | "addEventListener">} Thread
- * @typedef {{thread: Thread, module: string, batch: Batch | null, job: Job | null}} Member
+ * @typedef {{thread: Thread, module: string, batch: Batch | null}} Member
+ * @typedef {import("./map_worker.js").WorkerStart} WorkerStart
  */
 
 // A batch takes about so long [s]: on two cores a picture comes at least as often. Smaller ones leave
@@ -48,53 +45,40 @@ const pageWorker = () => new Worker(new URL("./map_worker.js", import.meta.url),
 class Job {
   /**
    * @param {Plan} plan
-   * @param {PoolListener} listener
-   * @param {number} stride of the rows and columns to compute
+   * @param {Estimate} estimate
+   * @param {How} how
+   * @param {(progress: Progress) => void} resolve
+   * @param {(error: Error) => void} reject
    */
-  constructor(plan, listener, stride) {
+  constructor(plan, estimate, { stride: finest = 1, isKnown = () => false, onCells, onRestart }, resolve, reject) {
     this.plan = plan;
-    this.listener = listener;
+    this.onCells = onCells;
+    this.onRestart = onRestart;
+    this.resolve = resolve;
+    this.reject = reject;
     const { cells, strides } = inOrder(plan.x.values.length, plan.y.values.length);
-    this.count = cells.length;
-    // Strides fall.
-    const end = strides.findLastIndex((each) => each >= stride) + 1;
-    this.cells = cells.slice(0, end);
-    this.strides = strides.slice(0, end);
+    /** Steps of a point, and what kind they are. */
+    this.steps = estimate.steps / cells.length;
+    /** @type {keyof typeof USUAL_STEP} */
+    this.kind = estimate.in_lanes ? "lanes" : "single";
+    const fresh = [...cells.keys()].filter((k) => strides[k] >= finest && !isKnown(cells[k]));
+    this.cells = Int32Array.from(fresh, (k) => cells[k]);
+    this.strides = Uint8Array.from(fresh, (k) => strides[k]);
     this.next = 0;
-    /** @type {import("./known.js").Known | null} */
-    this.known = null;
     /** @type {Batch[]} */
     this.again = [];
     this.points = 0;
     this.begin = performance.now();
-    /** @type {Pick<Estimate, "steps" | "in_lanes">} */
-    this.estimate = { steps: NaN, in_lanes: false };
-    /** @type {import("./map_worker.js").WorkerStart | null} */
-    this.start = null;
+    /** The fewest cells of a batch. */
     this.least = 1;
-  }
-
-  /**
-   * Show the cells that are known, which need not be computed.
-   * @param {import("./known.js").Known} known
-   */
-  begins(known) {
-    this.known = known;
-    if (!cellsOf(known).length) return;
-    const isKnown = new Set(cellsOf(known));
-    const [old, fresh] = [true, false].map((wanted) =>
-      [...this.cells.keys()].filter((k) => isKnown.has(this.cells[k]) === wanted));
-    const cell = Int32Array.from(old, (k) => this.cells[k]);
-    const stride = Uint8Array.from(old, (k) => this.strides[k]);
-    this.cells = Int32Array.from(fresh, (k) => this.cells[k]);
-    this.strides = Uint8Array.from(fresh, (k) => this.strides[k]);
-    this.listener.onCells({ cell, stride, ...pointsAt(known, cell) }, this.progress());
+    /** @type {WorkerStart | null} */
+    this.start = null;
   }
 
   /** Return how far it is. @returns {Progress} */
   progress() {
     const seconds = (performance.now() - this.begin) / 1e3;
-    return { points: this.points, seconds, rate: this.points / seconds };
+    return { points: this.points, seconds, rate: this.points / seconds, share: this.points / this.cells.length };
   }
 
   /**
@@ -132,12 +116,11 @@ export class Pool {
     /** @type {Job | null} */
     this.job = null;
     this.step = { ...USUAL_STEP };
-    this.memory = new Memory();
   }
 
   /**
-   * Return how many steps a map and its longest point take, and about how long that is with all
-   * workers [s]; where no point can run, the problem of the first.
+   * Return how many steps a map and its longest point take, and whether points run in lanes; where no point
+   * can run, the problem of the first.
    * @param {Plan} plan
    */
   async estimate(plan) {
@@ -149,46 +132,41 @@ export class Pool {
     const { steps, problem, in_lanes } = countSteps(kernels, pointsOf(kernels.layout, plan, cells));
     const valid = steps.filter((each) => !Number.isNaN(each));
     const total = (valid.reduce((sum, each) => sum + each, 0) / steps.length) * width * height;
-    const seconds = (total * this.step[in_lanes ? "lanes" : "single"]) / this.size;
-    return { steps: total, longest: Math.max(0, ...valid), seconds, in_lanes,
-      problem: valid.length ? null : problem };
+    return { steps: total, longest: Math.max(0, ...valid), in_lanes, problem: valid.length ? null : problem };
   }
 
   /**
-   * Compute a map; what was computed before ends at once.
+   * Compute a map, instead of the one before; an AbortError ends one that is stopped.
    * @param {Plan} plan
-   * @param {PoolListener} listener
-   * @param {Promise<Estimate> | Estimate} [known]
-   * @param {number} [stride] of the rows and columns to compute, a power of two
+   * @param {Estimate} estimate
+   * @param {How} how
+   * @returns {Promise<Progress>}
    */
-  async start(plan, listener, known = this.estimate(plan), stride = 1) {
+  compute(plan, estimate, how) {
     this.stop();
-    const job = new Job(plan, listener, stride);
-    this.job = job;
-    try {
-      const name = moduleOf(plan);
-      const [estimate, layout, module] = await Promise.all([
-        known, loadLayout(), loadModule(name)]);
-      if (job !== this.job) return;
-      if (estimate.problem) throw new Error(t("refusePoints"));
-      job.estimate = estimate;
-      job.start = { module, name, layout };
-      if (estimate.in_lanes) job.least = FILLS * layout.lanes.lanes;
-      this.members = this.members.filter((member) => {
-        if (member.module !== name) member.thread.terminate();
-        return member.module === name;
-      });
-      job.begins(this.memory.begin(plan, variablesOf(layout, plan).length));
-      if (job !== this.job) return; // stopped by who saw these
-      if (job.cells.length) this.employ(job);
-      else this.finish(job);
-    } catch (error) {
-      this.fail(job, /** @type {Error} */ (error));
-    }
+    return new Promise((resolve, reject) => {
+      const job = this.job = new Job(plan, estimate, how, resolve, reject);
+      this.begin(job).catch((error) => this.fail(job, error));
+    });
+  }
+
+  /** @param {Job} job */
+  async begin(job) {
+    const start = await startOf(moduleOf(job.plan));
+    if (job !== this.job) return;
+    job.start = start;
+    if (job.kind === "lanes") job.least = FILLS * start.layout.lanes.lanes;
+    this.members = this.members.filter((member) => {
+      if (member.module !== start.name) member.thread.terminate();
+      return member.module === start.name;
+    });
+    if (job.cells.length) this.employ(job);
+    else this.finish(job);
   }
 
   /** End what is computed. Workers that are busy end; they are replaced when the next map starts. */
   stop() {
+    this.job?.reject(new DOMException("", "AbortError"));
     this.job = null;
     this.members = this.members.filter((member) => {
       if (member.batch) member.thread.terminate();
@@ -198,7 +176,7 @@ export class Pool {
 
   /** End all workers. */
   close() {
-    this.job = null;
+    this.stop();
     for (const { thread } of this.members) thread.terminate();
     this.members = [];
   }
@@ -208,34 +186,29 @@ export class Pool {
    * @param {string} name of their module
    */
   async warm(name) {
-    const [layout, module] = await Promise.all([loadLayout(), loadModule(name)]);
-    if (!this.job) this.fill({ layout, module, name });
+    const start = await startOf(name);
+    if (!this.job) this.fill(start);
   }
 
-  /** Begin as many workers as there are to be. @param {import("./map_worker.js").WorkerStart} start */
+  /** Begin as many workers as there are to be. @param {WorkerStart} start */
   fill(start) {
     while (this.members.length < this.size) this.members.push(this.member(start));
   }
 
-  /** Let all workers compute a map, with new ones in the places of those that ended. @param {Job} job */
+  /** Let all workers that wait compute a map, with new ones in the places of those that ended. @param {Job} job */
   employ(job) {
-    this.fill(/** @type {import("./map_worker.js").WorkerStart} */ (job.start));
-    for (const member of this.members) {
-      if (member.job === job) continue;
-      member.job = job;
-      member.thread.postMessage({ plan: job.plan });
-      this.feed(member);
-    }
+    this.fill(/** @type {WorkerStart} */ (job.start));
+    for (const member of this.members) if (!member.batch) this.feed(member, job);
   }
 
   /**
    * Return a new worker.
-   * @param {import("./map_worker.js").WorkerStart} start
+   * @param {WorkerStart} start
    * @returns {Member}
    */
   member(start) {
     /** @type {Member} */
-    const member = { thread: this.makeWorker(), module: start.name, batch: null, job: null };
+    const member = { thread: this.makeWorker(), module: start.name, batch: null };
     member.thread.addEventListener("message", ({ data }) => this.receive(member, data));
     member.thread.addEventListener("error", (event) =>
       this.replace(member, /** @type {ErrorEvent} */ (event).message));
@@ -243,19 +216,15 @@ export class Pool {
     return member;
   }
 
-  /** Send a worker its next cells. @param {Member} member */
-  feed(member) {
-    const { job } = this;
-    if (!job || member.job !== job) return;
-    member.batch = job.take(this.target(job), this.size);
-    if (member.batch) member.thread.postMessage({ cells: member.batch.cell });
-  }
-
-  /** Return how many cells of a map take as long as a batch should. @param {Job} job */
-  target(job) {
-    const { in_lanes, steps } = job.estimate;
-    const point = (steps / job.count) * this.step[in_lanes ? "lanes" : "single"];
-    return Math.max(1, Math.min(LARGEST_BATCH, Math.round(BATCH / point)));
+  /**
+   * Send a worker its next cells, as many as take as long as a batch should.
+   * @param {Member} member
+   * @param {Job} job
+   */
+  feed(member, job) {
+    const size = Math.round(BATCH / (job.steps * this.step[job.kind]));
+    member.batch = job.take(Math.max(1, Math.min(LARGEST_BATCH, size)), this.size);
+    if (member.batch) member.thread.postMessage({ plan: job.plan, cells: member.batch.cell });
   }
 
   /**
@@ -264,35 +233,32 @@ export class Pool {
    * @param {any} data
    */
   receive(member, data) {
-    const { batch, job } = member;
+    const { batch } = member;
+    const { job } = this;
     if (data.death) {
       this.replace(member, data.death);
       return;
     }
+    // A worker that was ended while it was busy may still say something.
+    if (!job || !batch || !this.members.includes(member)) return;
     member.batch = null;
-    if (!job || job !== this.job || !batch) return;
     if (data.error) {
       this.fail(job, new Error(data.error));
       return;
     }
-    const { in_lanes, steps } = job.estimate;
-    job.points += batch.cell.length;
-    // Small batches leave lanes empty: they say nothing of large ones.
-    if (batch.cell.length >= job.least)
-      this.step[in_lanes ? "lanes" : "single"] =
-        data.seconds / (batch.cell.length * (steps / job.count));
-    if (job.known) put(job.known, batch.cell, data);
-    this.feed(member);
-    const progress = job.progress();
     const { cell, stride } = batch;
-    job.listener.onCells({ cell, stride, status: data.status, values: data.values }, progress);
+    job.points += cell.length;
+    // Small batches leave lanes empty: they say nothing of large ones.
+    if (cell.length >= job.least) this.step[job.kind] = data.seconds / (cell.length * job.steps);
+    this.feed(member, job);
+    job.onCells({ cell, stride, status: data.status, values: data.values }, job.progress());
     if (job === this.job && job.points === job.cells.length) this.finish(job);
   }
 
   /** Tell that a map is complete. @param {Job} job */
   finish(job) {
     this.job = null;
-    job.listener.onDone(job.progress());
+    job.resolve(job.progress());
   }
 
   /**
@@ -304,15 +270,16 @@ export class Pool {
     if (!this.members.includes(member)) return;
     member.thread.terminate();
     this.members = this.members.filter((each) => each !== member);
-    const { job, batch } = member;
-    if (!job || job !== this.job || !batch) return;
+    const { batch } = member;
+    const { job } = this;
+    if (!job || !batch) return;
     batch.tries += 1;
     if (batch.tries >= TRIES) {
       this.fail(job, new Error(t("refuseSome", { error: message })));
       return;
     }
     job.again.push(batch);
-    job.listener.onRestart?.(message);
+    job.onRestart?.(message);
     this.employ(job);
   }
 
@@ -323,7 +290,17 @@ export class Pool {
    */
   fail(job, error) {
     if (job !== this.job) return;
+    job.reject(error);
     this.stop();
-    job.listener.onError(error);
   }
+}
+
+/**
+ * Return what a worker begins with.
+ * @param {string} name of its module
+ * @returns {Promise<WorkerStart>}
+ */
+async function startOf(name) {
+  const [layout, module] = await Promise.all([loadLayout(), loadModule(name)]);
+  return { name, layout, module };
 }

@@ -13,6 +13,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./choices.js").Span} Span */
+/** @typedef {import("./grid.js").Axis & Span} Axis */
 
 /**
  * What a page asks for; null leaves the choice to what the scenario says. With a stride, only every
@@ -24,7 +25,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
  * A map that can be computed: every option of its runs in SI units, its axes and their values, what
  * is gathered and which variable of that is shown.
  * @typedef {{registry: Registry, layout: Layout, request: MapRequest, options: Record<string, any>,
- *   sweep: any, title: string, x: Span, y: Span, watched: import("./choices.js").Watched[],
+ *   title: string, x: Axis, y: Axis, watched: import("./choices.js").Watched[],
  *   shown: string, choices: import("./choices.js").Choice[], duration: number, transient: number,
  *   periods: number, plan: import("./plan.js").Plan}} MapQuestion
  */
@@ -35,17 +36,6 @@ const USUAL_DURATION = 60; // s
 const SIDES = ["_right", "_left"];
 const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
 
-/** A map that the installed program computes. */
-class BeyondMapError extends InputError {
-  /**
-   * @param {string} kind of what pages do not have
-   * @param {string} name
-   */
-  constructor(kind, name) {
-    super(t("beyondMap", { what: t(`beyond_${kind}`, { name }) }));
-  }
-}
-
 /**
  * Return the map that a page asks for.
  * @param {Registry} registry
@@ -54,8 +44,9 @@ class BeyondMapError extends InputError {
  * @returns {Promise<MapQuestion>}
  */
 export async function questionOf(registry, layout, request) {
-  checkSize(request);
-  const { scenario, x: askedX, y: askedY } = request;
+  const { scenario, x: askedX, y: askedY, width, height } = request;
+  const count = width * height;
+  if (count > MOST_CELLS) throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
   const preset = registry.scenarios[scenario ?? ""];
   const sweep = preset?.sweep ?? null;
   const input = optionsOf(registry, request);
@@ -78,7 +69,8 @@ export async function questionOf(registry, layout, request) {
   const { duration, transient, periods } = timesOf(registry, layout, request, options, sweep);
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
-  const [x, y] = spansOf(registry, origin, [askedX, askedY]);
+  const [x, y] = spansOf(registry, origin, [askedX, askedY])
+    .map((span, k) => axisOf(registry, span, k ? height : width));
   checkVaried(registry, system, drive, [x, y]);
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
   for (const { name } of watched)
@@ -86,41 +78,37 @@ export async function questionOf(registry, layout, request) {
       checkPerturbations(system.suspension,
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
-  if (noise && (noise.noise_stream ?? 0) + request.width * request.height > MOST_STREAMS)
-    throw brokenRule("streams", {},
-      { count: request.width * request.height, first: Number(noise.noise_stream) });
+  if (noise && (noise.noise_stream ?? 0) + count > MOST_STREAMS)
+    throw brokenRule("streams", {}, { count, first: Number(noise.noise_stream) });
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
+  // An axis replaces what sets the same thing.
+  const varied = [x, y].map(({ name }) => registry.axes[name].sets);
+  const isFixed = (/** @type {[string, any]} */ [name]) => !varied.includes(registry.axes[name]?.sets);
   const inPlane = planarOption(registry, { ...system, drive: drive.kind, ...drive.parameters }) !== null
     || [x, y].some(({ name }) => name === registry.drives[drive.kind].across);
   const plan = {
     angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
-    parameters: { ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
-      ...startOf(registry, system, options, [x.name, y.name]), ...noise, restitution: system.restitution,
+    parameters: { ...Object.fromEntries(Object.entries({
+      ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
+      ...startOf(registry, system, options, [x.name, y.name]) }).filter(isFixed)), ...noise, restitution: system.restitution,
       string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
       is_linear: Number(system.linear), collides: Number(system.contacts && law.contact !== "none") },
-    x: { name: x.name, values: valuesOf(x, request.width) },
-    y: { name: y.name, values: valuesOf(y, request.height) },
+    x: { name: x.name, values: x.values }, y: { name: y.name, values: y.values },
     observables: watched.map(({ name, parameters }) => ({ name, parameters: Object.fromEntries(
       Object.entries(parameters).map(([key, value]) => [key, Number(value)])) })),
     duration, transient, transient_periods: periods,
     contact: /** @type {"exact" | "clamp"} */ (law.clampStep ? "clamp" : "exact"),
     contact_limit: number("contact_limit"),
   };
-  for (const { name, values } of [plan.y, plan.x])
+  for (const { name, values } of [y, x])
     if (registry.options[name]?.whole)
       for (const value of values) checkedNumber(registry.options[name], name, value);
-  return { registry, layout, request, options, sweep, title: preset?.title ?? "", x, y, watched, shown,
-    choices, duration, transient, periods, plan };
-}
-
-/** @param {MapRequest} request */
-function checkSize({ width, height }) {
-  if (width * height > MOST_CELLS)
-    throw new InputError(t("refuseCells", { most: MOST_CELLS, width, height }));
+  return { registry, layout, request, options, title: preset?.title ?? "", x, y, watched, shown, choices,
+    duration, transient, periods, plan };
 }
 
 /**
@@ -135,13 +123,16 @@ function checkLaws(registry, layout, options, observable) {
   for (const [part, laws, kind] of /** @type {const} */ ([["system", registry.systems, options.system],
     ["drive", registry.drives, drive], ["contact law", registry.contact_laws, contact]])) {
     if (!Object.hasOwn(laws, kind)) throw unknown(part, String(kind), Object.keys(laws));
-    if (!laws[kind].compiled) throw new BeyondMapError(part.split(" ")[0], kind);
+    if (!laws[kind].compiled) throw beyond(part.split(" ")[0], kind);
   }
   const owners = Object.entries(registry.observables)
     .filter(([, { variables }]) => observable !== null && observable in variables);
   if (owners.length && !owners.some(([name]) => name in layout.observables))
-    throw new BeyondMapError("observable", owners[0][0]);
+    throw beyond("observable", owners[0][0]);
 }
+
+/** @type {(kind: string, name: string) => InputError} what is wrong with a map that the installed program computes */
+const beyond = (kind, name) => new InputError(t("beyondMap", { what: t(`beyond_${kind}`, { name }) }));
 
 /**
  * Throw if the system does not describe some values along the axes.
@@ -226,11 +217,24 @@ function checkWatched(registry, layout, watched, drive, contact) {
 }
 
 /**
+ * Return an axis with its cells.
+ * @param {Registry} registry
+ * @param {Span} span
+ * @param {number} count of the cells
+ * @returns {Axis}
+ */
+function axisOf({ axes }, span, count) {
+  const { label, symbol, unit, units, low, high } = axes[span.name];
+  const values = valuesOf(span, count);
+  return { ...span, label, symbol, unit, units, allowed: [low, high], values, edges: edgesOf(values, span.log) };
+}
+
+/**
  * Return the values at the middles of the cells, both ends included.
  * @param {Span} span
  * @param {number} count
  */
-export function valuesOf({ low, high, log }, count) {
+function valuesOf({ low, high, log }, count) {
   const [first, last] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
   const step = (last - first) / (count - 1);
   const values = Float64Array.from({ length: count }, (_, i) => i * step + first);
@@ -245,7 +249,7 @@ export function valuesOf({ low, high, log }, count) {
  * @param {Float64Array} values
  * @param {boolean} log
  */
-export function edgesOf(values, log) {
+function edgesOf(values, log) {
   const along = log ? values.map(Math.log) : values;
   const last = along.length - 1;
   const edges = Float64Array.from({ length: last + 2 }, (_, i) => {

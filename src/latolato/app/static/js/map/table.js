@@ -1,8 +1,7 @@
 /** A computed map as tables: a scenario of its sweep, and a file of comma-separated values. */
 
-import { tablesOf as tablesOfRun, withUnit } from "../model/run_files.js";
+import { column as columnOf, csv, tablesOf as tablesOfRun } from "../model/run_files.js";
 import { InputError } from "../model/rules.js";
-import { isShown, shownText } from "../model/shown.js";
 import { NOT_YET } from "./grid.js";
 import { t } from "../strings.js";
 
@@ -35,41 +34,29 @@ export function tablesOf({ registry, options, x, y, plan, watched, duration, tra
  * @returns {string}
  */
 export function csvOf(question, grid) {
-  const { registry, layout, plan, watched } = question;
+  const { registry, layout, watched } = question;
   const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
   if (several)
     throw new InputError(t("refuseTable", { name: Object.keys(layout.observables[several.name].widths)[0] }));
-  const own = grid.status.map((status, cell) => (grid.stride[cell] === 1 ? status : NOT_YET));
+  const own = grid.status.map((status, cell) => (grid.isKnown(cell) ? status : NOT_YET));
   const missing = own.filter((status) => status === NOT_YET).length;
   const { width } = grid;
-  /** @type {{name: string, unit: string, label: string, units?: {name: string}[], at: (cell: number) => number}[]} */
+  const column = (/** @type {string} */ name, /** @type {import("./grid.js").Axis | import("./grid.js").Variable} */ shown,
+    /** @type {(cell: number) => number} */ at) =>
+    columnOf(name, { ...shown, shownUnit: shown.units[0]?.name ?? shown.unit }, at);
   const columns = [
-    { ...grid.yAxis, at: (cell) => plan.y.values[Math.floor(cell / width)] },
-    { ...grid.xAxis, at: (cell) => plan.x.values[cell % width] },
-    ...grid.variables.map((variable, k) => ({ ...variable,
-      name: variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
-      at: (/** @type {number} */ cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]) })),
+    column(grid.y.name, grid.y, (cell) => grid.y.values[Math.floor(cell / width)]),
+    column(grid.x.name, grid.x, (cell) => grid.x.values[cell % width]),
+    ...grid.variables.map((variable, k) => column(variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
+      variable, (cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]))),
+    columnOf("status", { unit: "1", shownUnit: "1", label: "status of the point" },
+      (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]])),
   ];
-  const plain = (/** @type {number} */ value) => (Number.isNaN(value) ? "nan"
-    : Number.isFinite(value) ? String(value) : value > 0 ? "inf" : "-inf");
-  const shown = columns.map(({ name, unit, units = [], label, at }) => {
-    const own = units[0]?.name ?? unit;
-    if (!isShown(own)) return { head: name, title: `# column ${name} [${unit}]: ${label}`,
-      text: (/** @type {number} */ cell) => plain(at(cell)) };
-    const head = `${name} [${own}]`;
-    return { head, title: `# column ${head}: ${label}`, text: (/** @type {number} */ cell) =>
-      (Number.isFinite(at(cell)) ? shownText(at(cell), own) : plain(at(cell))) };
-  });
-  shown.push({ head: "status", title: "# column status [1]: status of the point",
-    text: (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]]) });
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
     rounding: "page", ...attributesOf(question),
     ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is 'missing' there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
-  const lines = [...Object.entries(about).map(([name, value]) => `# ${withUnit(registry, name)}: ${value}`),
-    ...shown.map(({ title }) => title), shown.map(({ head }) => head).join(",")];
-  own.forEach((_, cell) => lines.push(shown.map(({ text }) => text(cell)).join(",")));
-  return `${lines.join("\n")}\n`;
+  return csv(registry, about, columns, own.length);
 }
 
 /**
@@ -92,9 +79,7 @@ function attributesOf({ registry, options, x, y, duration, transient, periods })
 function described({ registry, options, plan, watched, duration, transient, periods }) {
   const { system, drive, noise } = tablesOfRun(registry, options);
   const { parameters, x, y } = plan;
-  const varied = [x.name, y.name].map((name) => registry.axes[name].sets);
-  const start = Object.fromEntries(Object.entries(parameters)
-    .filter(([name]) => name.startsWith("initial_") && !varied.includes(registry.axes[name].sets)));
+  const start = Object.fromEntries(Object.entries(parameters).filter(([name]) => name.startsWith("initial_")));
   return {
     format: FORMAT, system, drive, start,
     axes: [y, x].map(({ name, values }) => ({ name, parameters: [name], values: [Array.from(values)] })),

@@ -4,15 +4,11 @@ import { el } from "../page/dom.js";
 import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { sizeOf } from "./axes.js";
+import { CLASSES, SIGNS } from "./marks.js";
 import { classesOf, wordOf } from "./words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
-
-// Of special points of curves, by matplotlib's names of their marks.
-/** @type {Record<string, string>} */
-const MARKS = { v: "▼", s: "■", D: "◆", p: "⬟", o: "●", "^": "▲", X: "✖" };
-const TRIALS = { none: "●", weak: "▲", strong: "◆" };
 
 // Lines do not break here.
 const GAP = "\u00a0";
@@ -30,7 +26,7 @@ export function withUnit(about, value) {
 
 /**
  * Return a parameter and its value.
- * @param {import("./grid.js").Axis} axis
+ * @param {Pick<import("./grid.js").Axis, "symbol" | "label" | "units">} axis
  * @param {number} value in SI units
  */
 export function withName(axis, value) {
@@ -53,7 +49,7 @@ export function cellText(grid, cell, k) {
   else if (variable.words) words = wordOf(variable, value);
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
   const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
-  return [withName(grid.xAxis, grid.x[column]), withName(grid.yAxis, grid.y[line]),
+  return [withName(grid.x, grid.x.values[column]), withName(grid.y, grid.y.values[line]),
     `${variable.label}: ${words}${coarse}`].join(" · ");
 }
 
@@ -67,14 +63,12 @@ export function kindText(label, isEdge) {
 }
 
 /**
- * Return the entries that explain colours of classes, cells without an answer, zeros, curves,
- * trials and contour lines.
+ * Return the entries that explain colours of classes, cells without an answer, zeros, lines, trials and contour lines.
  * @param {Grid} grid
  * @param {import("./chart.js").Look} look
- * @param {{lines: {name: string}[], curves: import("./curves.js").PlacedCurve[], trials: boolean,
- *   contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
+ * @param {{lines: import("./curves.js").Line[], trials: boolean, contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
  */
-export function legend(grid, { variable: k, log }, { lines, curves, trials, contours, registry }) {
+export function legend(grid, { variable: k, log }, { lines, trials, contours, registry }) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {
     const key = el("span", { class: "swatch" });
     key.style.background = paint;
@@ -86,21 +80,19 @@ export function legend(grid, { variable: k, log }, { lines, curves, trials, cont
     ...classesOf(grid, k).classes.map(([text, paint]) => entry(text, paint)),
     ...(bad ? [entry(t("mapNoAnswer", { count: bad }), "var(--faint)")] : []),
     ...(zeros ? [entry(t("mapZero", { count: zeros }), "var(--paper)")] : []),
-    ...lines.map(({ name }) => el("li", {}, el("span", { class: `curve-key ${name}` }),
-      t(name === "tongue" ? "mapTongue" : "mapLift"))),
-    ...curves.flatMap((curve) => [true, false].filter((isEdge) => curve.edges.includes(isEdge)).map((isEdge) => {
-      const key = el("span", { class: "curve-key bifurcation" });
-      key.style.borderTopColor = curve.colour;
+    ...lines.flatMap(({ label, colour, edges }) => [true, false].filter((isEdge) => edges.includes(isEdge)).map((isEdge) => {
+      const key = el("span", { class: colour ? "curve-key bifurcation" : "curve-key" });
+      key.style.borderTopColor = colour;
       key.style.borderTopStyle = isEdge ? "solid" : "dashed";
-      return el("li", {}, key, kindText(curve.label, isEdge));
+      return el("li", {}, key, colour ? kindText(label, isEdge) : label);
     })),
-    ...[...new Set(curves.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
-      el("span", { class: "trial", "aria-hidden": "true" }, MARKS[registry.curves.marks[kind]?.mark] ?? "●"),
+    ...[...new Set(lines.flatMap((curve) => curve.marks.map(({ kind }) => kind)))].map((kind) => el("li", {},
+      el("span", { class: "trial", "aria-hidden": "true" }, SIGNS[registry.curves.marks[kind]?.mark] ?? SIGNS.o),
       tr(registry.curves.marks[kind]?.label ?? kind))),
     ...(contours ? [el("li", {}, el("span", { class: "curve-key contour" }),
       t("mapContoursOf", { what: contours.label }))] : []),
-    ...Object.entries(trials ? TRIALS : {}).map(([name, mark]) => el("li", {},
-      el("span", { class: `trial ${name}`, "aria-hidden": "true" }, mark), t(`trial_${name}`))),
+    ...(trials ? CLASSES : []).map((name) => el("li", {},
+      el("span", { class: `trial ${name}`, "aria-hidden": "true" }, SIGNS[name]), t(`trial_${name}`))),
   ];
 }
 
@@ -108,25 +100,14 @@ export function legend(grid, { variable: k, log }, { lines, curves, trials, cont
  * Return the summary of a map that has come to its end: its points, those that are new or missing,
  * and how many a finer one has.
  * @param {Grid} grid
- * @param {import("./pool.js").Progress} done
- * @param {number} all points that were to be computed
+ * @param {import("./pool.js").Progress} [progress] of a map that was computed
  */
-export function doneText(grid, done, all) {
+export function doneText(grid, { points, seconds, rate } = { points: 0, seconds: 0, rate: 0, share: 1 }) {
   const whole = grid.width * grid.height;
-  const said = pointsText(grid, done, all);
-  if (all === whole) return said;
-  return `${said}. ${t("mapWhole", { whole })}`;
-}
-
-/**
- * @param {Grid} grid
- * @param {import("./pool.js").Progress} done
- * @param {number} all points that were to be computed
- */
-function pointsText(grid, { points, seconds, rate }, all) {
+  const all = grid.done;
   const missing = grid.about.stored?.missing;
   if (missing) return t("mapKnownPart", { points: all, missing });
-  if (!points) return t("mapKnown", { points: all });
-  return t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
-    rate: Math.round(rate) });
+  const text = points ? t(points < all ? "mapDonePart" : "mapDone", { all, points, seconds: localShort(seconds, 2),
+    rate: Math.round(rate) }) : t("mapKnown", { points: all });
+  return all === whole ? text : `${text}. ${t("mapWhole", { whole })}`;
 }

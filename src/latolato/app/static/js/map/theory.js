@@ -2,9 +2,10 @@
 
 import { brokenRule } from "../model/rules.js";
 import { changeBetween, tongueEdges } from "../model/tongue.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
-/** @typedef {{name: string, xs: Float64Array, ys: Float64Array, dashed: boolean}} NamedLine */
+/** @typedef {import("./curves.js").Line} Line */
 /** @typedef {{amplitude: number, frequency: number}} TheoryDrive in m and rad/s */
 
 const AMPLITUDES = ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"];
@@ -18,12 +19,11 @@ const SLOWEST = 1e-3; // of the fastest
 /** What turns amplitudes and frequencies into the coordinates of a map. */
 export class Placing {
   /**
-   * @param {Grid} grid
+   * @param {Pick<Grid, "x" | "y" | "about">} grid
    * @throws {InputError} if the map is not one of amplitude and frequency, or if its drag is relative to the room
    */
   constructor(grid) {
-    const { about, xAxis, yAxis, xEdges, yEdges, width, height } = grid;
-    const [x, y] = [xAxis.name, yAxis.name];
+    const { about, x: { name: x, edges: along }, y: { name: y, edges: up } } = grid;
     if (!(FREQUENCIES.includes(x) && AMPLITUDES.includes(y))
       && !(FREQUENCIES.includes(y) && AMPLITUDES.includes(x)))
       throw brokenRule("overlay_axes", { value: [y, x] },
@@ -45,7 +45,7 @@ export class Placing {
       throw brokenRule("overlay_drag", { parameter: "drag_frame", value: "lab" });
     this.hasContact = Boolean(about.has_contact);
     /** @type {Record<string, [number, number]>} */
-    this.spans = { [x]: [xEdges[0], xEdges[width]], [y]: [yEdges[0], yEdges[height]] };
+    this.spans = { [x]: [along[0], along[along.length - 1]], [y]: [up[0], up[up.length - 1]] };
   }
 
   /** w0 [rad/s]. */
@@ -71,12 +71,12 @@ export class Placing {
   }
 
   /**
-   * Return the drive at values along both axes.
+   * Return the drive at values along both axes, or at another frequency.
    * @param {Record<string, number>} values by the names of the axes
+   * @param {number} [frequency]
    * @returns {TheoryDrive}
    */
-  plain(values) {
-    const frequency = values.drive_frequency ?? values.frequency_ratio * this.naturalFrequency;
+  plain(values, frequency = values.drive_frequency ?? values.frequency_ratio * this.naturalFrequency) {
     const amplitude = values.drive_amplitude
       ?? (values.amplitude_ratio === undefined
         ? values.drive_acceleration_ratio * this.gravity / frequency ** 2
@@ -84,33 +84,29 @@ export class Placing {
     return { amplitude, frequency };
   }
 
-  /** Return the least and the largest frequency of the map [rad/s], above zero. */
-  frequencies() {
-    const { drive_frequency, frequency_ratio } = this.spans;
-    const [slow, fast] = drive_frequency
-      ?? frequency_ratio.map((each) => each * this.naturalFrequency);
-    return [Math.max(slow, SLOWEST * fast), fast];
+  /** Return the first or the last values along both axes. @param {0 | 1} end */
+  corner(end) {
+    return Object.fromEntries(Object.entries(this.spans).map(([name, span]) => [name, span[end]]));
   }
 
-  /** Return the largest amplitude of the map [m]. */
-  largestAmplitude() {
-    const { drive_amplitude, amplitude_ratio, drive_acceleration_ratio } = this.spans;
-    if (drive_amplitude) return drive_amplitude[1];
-    if (amplitude_ratio) return amplitude_ratio[1] * this.length;
-    return drive_acceleration_ratio[1] * this.gravity / this.frequencies()[0] ** 2;
+  /** Return the least and the largest frequency of the map [rad/s], above zero. */
+  frequencies() {
+    const [slow, fast] = /** @type {const} */ ([0, 1]).map((end) => this.plain(this.corner(end)).frequency);
+    return [Math.max(slow, SLOWEST * fast), fast];
   }
 
   /**
    * Return a line through drives.
    * @param {string} name
+   * @param {string} label
    * @param {TheoryDrive[]} drives
-   * @param {boolean} dashed
-   * @returns {NamedLine}
+   * @param {boolean} [isSolid]
+   * @returns {Line}
    */
-  line(name, drives, dashed) {
+  line(name, label, drives, isSolid = true) {
     const places = drives.map((drive) => this.place(drive));
-    return { name, dashed, xs: Float64Array.from(places, ([x]) => x),
-      ys: Float64Array.from(places, ([, y]) => y) };
+    return { name, label, colour: "", marks: [], xs: places.map(([x]) => x), ys: places.map(([, y]) => y),
+      edges: places.map(() => isSolid) };
   }
 }
 
@@ -127,8 +123,9 @@ export function tongue(placing) {
     throw brokenRule("tongue", { parameter: "damping" }, { damping, ratio: zeta });
   const edges = (/** @type {number} */ amplitude) => tongueEdges(2 * amplitude / length, zeta);
   const isClosed = (/** @type {number} */ amplitude) => Number.isNaN(edges(amplitude)[0]);
-  const largest = Math.min(placing.largestAmplitude(), CLOSED * length);
-  if (isClosed(largest)) return placing.line("tongue", [], false);
+  const { amplitude: most } = placing.plain(placing.corner(1), placing.frequencies()[0]);
+  const largest = Math.min(most, CLOSED * length);
+  if (isClosed(largest)) return placing.line("tongue", t("mapTongue"), []);
   const tip = damping > 0 ? changeBetween(isClosed, 0, largest) : 0;
   // Denser near the tip, where a damped tongue is round.
   const amplitudes = evenly(0, 1, SAMPLES).map((share) => tip + (largest - tip) * share ** 2);
@@ -137,7 +134,7 @@ export function tongue(placing) {
     const ratio = sides[i][side];
     return { amplitude, frequency: Number.isFinite(ratio) ? ratio * naturalFrequency : NaN };
   });
-  return placing.line("tongue", [...drives(0).reverse(), ...drives(1)], false);
+  return placing.line("tongue", t("mapTongue"), [...drives(0).reverse(), ...drives(1)]);
 }
 
 /**
@@ -154,7 +151,7 @@ export function liftOff(placing) {
     ...evenly(Math.log(slow), Math.log(fast), SAMPLES).map(Math.exp)].sort((a, b) => a - b);
   const drives = frequencies.map((frequency) =>
     ({ amplitude: placing.gravity / frequency ** 2, frequency }));
-  return placing.line("lift_off", drives, true);
+  return placing.line("lift", t("mapLift"), drives, false);
 }
 
 /**

@@ -3,22 +3,19 @@
 import { el } from "../page/dom.js";
 import { t } from "../strings.js";
 
-/** @typedef {{stop: () => void, back: () => void, scale: (by: number) => void}} ToolbarActions */
-
-const STATES = { busy: "stop", stopped: "mapGoOn", asks: "compute", coarse: "mapFiner",
-  done: "mapAgain" };
+const STATES = { busy: "stop", stopped: "mapGoOn", coarse: "mapFiner", done: "mapAgain" };
 
 export class Toolbar {
-  /** @param {ToolbarActions} actions */
-  constructor(actions) {
+  /** @param {import("./view.js").MapView} view */
+  constructor(view) {
     const button = (/** @type {string} */ name, /** @type {() => void} */ action, text = t(name)) =>
       el("button", { type: "button", title: t(name), "aria-label": t(name),
         on: { click: action } }, text);
     this.panning = false;
     /** @type {keyof typeof STATES} */
     this.now = "done";
-    this.stop = button("stop", actions.stop);
-    this.back = button("mapBack", actions.back);
+    this.stop = button("stop", () => view.stopOrGo());
+    this.back = button("mapBack", () => view.travel.back());
     this.pan = button("mapPan", () => {
       this.panning = !this.panning;
       this.pan.setAttribute("aria-pressed", String(this.panning));
@@ -27,8 +24,8 @@ export class Toolbar {
     this.progress = el("progress", { max: 1, value: 0, "aria-label": t("mapProgress") });
     this.text = el("span", { class: "soft progress-text", role: "status" });
     this.root = el("div", { class: "row map-bar" }, this.stop, this.back,
-      button("mapIn", () => actions.scale(0.5), "+"),
-      button("mapOut", () => actions.scale(2), "−"), this.pan,
+      button("mapIn", () => view.travel.scale(0.5), "+"),
+      button("mapOut", () => view.travel.scale(2), "−"), this.pan,
       this.progress, this.text);
   }
 
@@ -52,8 +49,7 @@ export class Toolbar {
   }
 
   /**
-   * Show what the first button does: stop, go on, begin what takes long, compute all points, or
-   * compute once more.
+   * Show what the first button does: stop, go on, compute all points, or compute once more.
    * @param {keyof typeof STATES} state
    */
   state(state) {

@@ -7,12 +7,15 @@ import { t } from "../strings.js";
 /** @typedef {import("./grid.js").Axis} Axis */
 /** @typedef {import("./chart.js").ChartBox} ChartBox */
 
+// Keys of the address for the part of a map that is on show.
+const PLACE = ["x", "y"].flatMap((which) => ["", "low", "high", "log"].map((part) => which + part));
+
 /** Ways over the map of a view, kept in the address. */
 export class Travel {
   /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
-    /** @type {Record<string, string>[]} keys of the address of maps that were seen */
+    /** @type {Record<string, string | null>[]} where on maps we were, as the address has it */
     this.seen = [];
   }
 
@@ -28,14 +31,15 @@ export class Travel {
       return;
     }
     const [xlow, xhigh, ylow, yhigh] = box(grid);
-    controls.keep({ x: grid.xAxis.name, y: grid.yAxis.name, xlow, xhigh, ylow, yhigh,
-      xlog: grid.xAxis.log ? 1 : null, ylog: grid.yAxis.log ? 1 : null });
+    controls.keep({ x: grid.x.name, y: grid.y.name, xlow, xhigh, ylow, yhigh,
+      xlog: grid.x.log ? 1 : null, ylog: grid.y.log ? 1 : null });
   }
 
   /** @param {ChartBox} box */
   zoom(box) {
     const { extra } = this.view.page.store.state;
-    if (!this.view.grid?.about.stored) this.seen.push(placeOf(extra));
+    if (!this.view.grid?.about.stored)
+      this.seen.push(Object.fromEntries(PLACE.map((name) => [name, extra[`map.${name}`] ?? null])));
     this.go(() => box);
   }
 
@@ -60,52 +64,20 @@ export class Travel {
   /** Zoom out to the map before. */
   back() {
     const last = this.seen.pop();
-    const { store } = this.view.page;
-    if (last) store.set({ extra: { ...withoutPlace(store.state.extra), ...last } }, "extra");
+    if (last) this.view.controls.keep(last);
   }
 }
 
 /**
- * Return the keys of the address that say which part of which map is on show.
- * @param {Record<string, string>} extra
- * @returns {Record<string, string>}
- */
-export function placeOf(extra) {
-  return Object.fromEntries(Object.entries(extra).filter(([name]) => isPlace(name)));
-}
-
-/**
- * Return the keys of the address without those.
- * @param {Record<string, string>} extra
- * @returns {Record<string, string>}
- */
-export function withoutPlace(extra) {
-  return Object.fromEntries(Object.entries(extra).filter(([name]) => !isPlace(name)));
-}
-
-/** @param {string} name */
-function isPlace(name) {
-  return /^map\.[xy](low|high|log)?$/.test(name);
-}
-
-/**
- * Return how far a value lies along an axis, and back: its logarithm on a logarithmic one.
+ * Return an axis as it is measured: functions to that measure and from it, the logarithm on a logarithmic one,
+ * and the limits of values in it.
  * @param {Axis} axis
  */
-function measure(axis) {
-  return axis.log ? { to: Math.log, from: Math.exp }
-    : { to: (/** @type {number} */ v) => v, from: (/** @type {number} */ v) => v };
-}
-
-/**
- * The limits of values along an axis, in its measure.
- * @param {Axis} axis
- */
-function allowedOf(axis) {
-  const [least, most] = axis.allowed ?? [];
-  const { to } = measure(axis);
-  return [to(least ?? -Infinity), to(most ?? Infinity)].map((v, k) =>
-    Number.isNaN(v) ? [-Infinity, Infinity][k] : v);
+function measure({ log, allowed: [least, most] = [null, null] }) {
+  const same = (/** @type {number} */ value) => value;
+  const { to, from } = log ? { to: Math.log, from: Math.exp } : { to: same, from: same };
+  // Amounts have no least logarithm.
+  return { to, from, least: to(Math.max(least ?? -Infinity, log ? 0 : -Infinity)), most: to(most ?? Infinity) };
 }
 
 /**
@@ -116,16 +88,13 @@ function allowedOf(axis) {
  * @returns {ChartBox}
  */
 export function scaledBox(grid, by, about) {
-  const [x, y] = /** @type {const} */ ([[grid.xEdges, grid.xAxis], [grid.yEdges, grid.yAxis]])
-    .map(([edges, axis], k) => {
-      const { to, from } = measure(axis);
-      const [low, high] = [to(edges[0]), to(edges[edges.length - 1])];
-      const place = by < 1 && about ? to(about[k]) : 0.5 * (low + high);
-      const half = 0.5 * by * (high - low);
-      const [least, most] = allowedOf(axis);
-      return [from(Math.max(least, place - half)), from(Math.min(most, place + half))];
-    });
-  return [x[0], x[1], y[0], y[1]];
+  return boxOf(grid, (axis, k) => {
+    const { to, least, most } = measure(axis);
+    const [low, high] = [axis.edges[0], axis.edges[axis.edges.length - 1]].map(to);
+    const place = by < 1 && about ? to(about[k]) : 0.5 * (low + high);
+    const half = 0.5 * by * (high - low);
+    return [Math.max(least, place - half), Math.min(most, place + half)];
+  });
 }
 
 /**
@@ -133,20 +102,26 @@ export function scaledBox(grid, by, about) {
  * @param {Grid} grid
  * @param {number} columns
  * @param {number} rows
- * @returns {ChartBox}
  */
 export function movedBy(grid, columns, rows) {
-  const along = (/** @type {Float64Array} */ values, /** @type {Axis} */ axis,
-    /** @type {number} */ by) => {
-    const { to, from } = measure(axis);
-    const [first, last] = [to(values[0]), to(values[values.length - 1])];
-    const step = (last - first) / (values.length - 1);
-    const [least, most] = allowedOf(axis);
+  return boxOf(grid, (axis, k) => {
+    const { to, least, most } = measure(axis);
+    const [first, last] = [axis.values[0], axis.values[axis.values.length - 1]].map(to);
+    const step = (last - first) / (axis.values.length - 1);
     const down = Math.floor((first - least) / step + 1e-9);
     const up = Math.floor((most - last) / step + 1e-9);
-    const cells = Math.min(Math.max(by, -down), up);
-    return [from(first + cells * step), from(last + cells * step)];
-  };
-  const [x, y] = [along(grid.x, grid.xAxis, columns), along(grid.y, grid.yAxis, rows)];
-  return [x[0], x[1], y[0], y[1]];
+    const cells = Math.min(Math.max([columns, rows][k], -down), up);
+    return [first + cells * step, last + cells * step];
+  });
+}
+
+/**
+ * Return a box from both ends of each axis in its measure.
+ * @param {Grid} grid
+ * @param {(axis: Axis, k: number) => number[]} ends
+ * @returns {ChartBox}
+ */
+function boxOf({ x, y }, ends) {
+  const [[a, b], [c, d]] = [x, y].map((axis, k) => ends(axis, k).map(measure(axis).from));
+  return [a, b, c, d];
 }

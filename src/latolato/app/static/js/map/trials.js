@@ -4,14 +4,13 @@ import { brokenRule, InputError } from "../model/rules.js";
 import { toSi } from "../model/units.js";
 import { inLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
+import { CLASSES } from "./marks.js";
 
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./theory.js").Placing} Placing */
 /** @typedef {{amplitude: number[], frequency: number[], ratio: number[], kinds: number[]}} TrialTable */
 /** @typedef {Map<string, any[]>} Columns */
 
-// By the number that sweeps give them.
-const CLASSES = ["none", "weak", "strong"];
 // Ends of lines as Python knows them.
 export const LINE_END = /\r\n|[\n\r\v\f\x1c-\x1e\x85\u2028\u2029]/;
 

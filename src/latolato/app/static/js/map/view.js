@@ -16,10 +16,11 @@ import { MapChart } from "./chart.js";
 import { lookOf } from "./colours.js";
 import { MapControls } from "./controls.js";
 import { Cursor, PointPanel } from "./cursor.js";
+import { gridOf } from "./about.js";
 import { MapFiles } from "./exports.js";
-import { Grid } from "./grid.js";
 import { followHand } from "./pointer.js";
-import { PageJob, StoredJob } from "./job.js";
+import { KnownMaps } from "./known.js";
+import { ownMap, storedMap } from "./open.js";
 import { contourVariable, Over } from "./over.js";
 import { Pool } from "./pool.js";
 import { doneText, legend } from "./texts.js";
@@ -27,7 +28,7 @@ import { Toolbar } from "./toolbar.js";
 import { Travel } from "./travel.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
-/** @typedef {import("./pool.js").Progress} Progress */
+/** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
 // Changes of a slider become one request.
 const PATIENCE = 120; // ms
@@ -38,23 +39,17 @@ export class MapView {
     this.page = page;
     this.pool = new Pool();
     void this.pool.warm("lanes");
-    /** @type {PageJob | StoredJob | null} */
-    this.job = null;
+    this.known = new KnownMaps();
+    /** Ends the map on its way. @type {AbortController | null} */
+    this.run = null;
     /** @type {Record<string, any>} what the map on show answers, and its question if it is computed */
     this.request = {};
-    /** @type {import("./question.js").MapQuestion | null} */
+    /** @type {MapQuestion | null} */
     this.question = null;
-    /** @type {import("./pool.js").Estimate | undefined} */
-    this.estimate = undefined;
-    /** @type {Grid | null} */
+    /** @type {import("./grid.js").Grid | null} */
     this.grid = null;
-    /** @type {Grid | null} what a map that has just begun will show */
-    this.next = null;
-    /** @type {any} */
-    this.choices = null;
-    this.wanted = "";
-    /** A map that may take long, as the user said. */
-    this.agreed = "";
+    /** The last request of a map, null if it was refused or stopped. @type {Record<string, any> | null} */
+    this.asked = null;
     this.timer = 0;
     this.shown = false;
     this.over = new Over(this);
@@ -64,9 +59,7 @@ export class MapView {
     form.addEventListener("submit", (e) => e.preventDefault());
     this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
     this.parameters = el("details", { class: "form" }, el("summary", {}, t("mapParameters")), form);
-    const back = () => this.travel.back();
-    const scale = (/** @type {number} */ by) => this.travel.scale(by);
-    this.tools = new Toolbar({ stop: () => this.stopOrGo(), back, scale });
+    this.tools = new Toolbar(this);
     const canvas = el("canvas", { class: "map" });
     const bar = el("canvas", { class: "bar-canvas", role: "img", "aria-label": t("mapBar") });
     this.field = el("div", { class: "map-field", tabindex: "0", role: "application",
@@ -91,14 +84,7 @@ export class MapView {
     this.chart = new MapChart(canvas);
     this.bar = new ColourBar(bar);
     this.cursor = new Cursor(this, readout);
-    const keys = followHand(this.field, this.chart, {
-      hover: (at) => this.cursor.describe(at),
-      pick: (x, y) => void this.cursor.pick(x, y),
-      box: (box) => this.travel.zoom(box),
-      pan: (columns, rows) => this.travel.pan(columns, rows), back, scale,
-      step: (columns, rows) => this.cursor.step(columns, rows),
-      enter: () => void this.cursor.run(), curve: (by) => void this.cursor.stepOnCurve(by),
-    }, () => this.tools.panning);
+    const keys = followHand(this);
     this.keys = new KeyList(() => [{ title: t("keysHere"), actions: { ...keys, ...this.help } }]);
     /** @type {import("../page/keys.js").KeyActions} */
     this.help = { "?": { text: "keyHelp", act: () => this.keys.open() } };
@@ -127,9 +113,8 @@ export class MapView {
     for (const release of this.releases.splice(0)) release();
     this.point.preview.rest();
     this.files.stop();
-    if (this.grid?.complete && !this.next) return;
+    if (this.run) this.asked = null;
     this.stop();
-    this.wanted = "";
   }
 
   /** Return a picture of the map, null before there is one. */
@@ -154,44 +139,81 @@ export class MapView {
     this.parameters.hidden = source.stored !== null;
     this.tools.show(source.stored !== null);
     const request = requestOf(registry, store.state);
-    const has = this.grid && (!request.observable || this.grid.variable(request.observable) >= 0);
-    const comes = this.job && !this.job.ended && request.observable === this.job.request.observable;
-    if (sameBut(request) === this.wanted && (has || comes)) {
-      if (this.choices && request.observable) this.choices.observable = request.observable;
+    const { asked } = this;
+    const has = !request.observable || (this.grid?.variable(request.observable) ?? -1) >= 0;
+    const comes = this.run && request.observable === asked?.observable;
+    if (asked && sameBut(request) === sameBut(asked) && (has || comes)) {
       this.repaint();
       return;
     }
     clearTimeout(this.timer);
-    this.timer = window.setTimeout(() => this.compute(request), now ? 0 : PATIENCE);
+    this.timer = window.setTimeout(() => void this.open(request), now ? 0 : PATIENCE);
   }
 
   /**
    * Compute a map, or open a stored one; the picture of the one before pales until there is another.
    * @param {Record<string, any>} request
    */
-  compute(request) {
+  async open(request) {
     this.stop();
     if (!this.shown) return;
-    this.wanted = sameBut(request);
+    const { signal } = this.run = new AbortController();
+    this.asked = request;
     this.tools.showProgress(t("mapBegins"), 0);
+    this.tools.state("busy");
     this.page.messages.drop("map");
     this.controls.refuse(null);
     this.veil(this.grid !== null);
-    /** @type {import("./job.js").JobListener} */
-    const listener = {
-      choices: (choices) => this.takeChoices(choices), begin: (begin) => this.begin(new Grid(begin)),
-      asks: (minutes) => this.askFirst(minutes),
-      cells: (cells, progress) => this.take(cells, progress), done: (progress) => this.finish(progress),
-      restarted: (message) => this.sayRestart(message), refused: (error) => this.refuse(error),
-    };
-    const { registry } = this.page;
-    this.tools.state("busy");
-    if (request.stored && !registry.server) {
-      this.refuse(new Error(t("mapStoredProgram")));
-      return;
+    try {
+      await (request.stored ? this.openStored(request, signal) : this.compute(/** @type {any} */ (request), signal));
+    } catch (error) {
+      if (signal.aborted) return;
+      this.run = null;
+      this.refuse(/** @type {Error} */ (error));
     }
-    this.job = request.stored ? new StoredJob(registry, request, listener)
-      : new PageJob(registry, this.pool, /** @type {any} */ (request), this.agreed === this.wanted, listener);
+  }
+
+  /**
+   * @param {Record<string, any>} request
+   * @param {AbortSignal} signal
+   */
+  async openStored(request, signal) {
+    const { registry } = this.page;
+    if (!registry.server) throw new Error(t("mapStoredProgram"));
+    const grid = await storedMap(registry, request, signal);
+    this.controls.showStored(grid);
+    this.begin(grid.about);
+    this.change(grid, request, null);
+    this.finish(grid);
+  }
+
+  /**
+   * @param {import("./question.js").MapRequest} request
+   * @param {AbortSignal} signal
+   */
+  async compute(request, signal) {
+    const { question, estimate } = await ownMap(this.page.registry, this.pool, request, (chosen) => {
+      signal.throwIfAborted();
+      this.controls.showChoices(chosen);
+      this.form.varied = new Set([chosen.x.name, chosen.y.name]);
+      this.form.show(chosen.options);
+    });
+    signal.throwIfAborted();
+    const grid = gridOf(question);
+    this.begin(grid.about);
+    this.known.add(grid, question.plan);
+    if (grid.done) this.change(grid, request, question);
+    const progress = await this.pool.compute(question.plan, estimate, {
+      stride: request.stride, isKnown: (cell) => grid.isKnown(cell),
+      onCells: (cells, { rate, share }) => {
+        grid.put(cells);
+        this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share), rate: Math.round(rate) }), share);
+        this.change(grid, request, question);
+      },
+      onRestart: (message) => this.page.messages.show("map", t("mapRestarted", { message }), { stays: true }),
+    });
+    signal.throwIfAborted();
+    this.finish(grid, progress);
   }
 
   /**
@@ -204,82 +226,46 @@ export class MapView {
     this.chart.draw();
   }
 
-  /**
-   * Say how long a map takes, and wait for consent.
-   * @param {number} minutes
-   */
-  askFirst(minutes) {
-    this.tools.showProgress(t("mapLong", { count: minutes }), 0);
-    this.tools.state("asks");
-  }
-
-  /** @param {string} message */
-  sayRestart(message) {
-    this.page.messages.show("map", t("mapRestarted", { message }), { stays: true });
-  }
-
   /** Return whether a map is on its way. */
   growing() {
-    return this.job !== null && !this.job.ended;
+    return this.run !== null;
   }
 
-  /** @param {import("./about.js").Choices} choices */
-  takeChoices(choices) {
-    this.choices = choices;
-    this.controls.showChoices(choices);
-    this.form.varied = new Set([choices.x.name, choices.y.name]);
-    this.form.show(choices.options);
-  }
-
-  /** @param {Grid} grid */
-  begin(grid) {
+  /** @param {import("./grid.js").About} about */
+  begin({ python, command }) {
     this.form.error(null);
-    this.next = grid;
-    this.code.replaceChildren(...codeBlocks([grid.about.python, grid.about.command]));
-    if (grid.about.stored) this.controls.showStored(grid.about);
-  }
-
-  /** Put the map that has begun in the place of the one on show. */
-  change() {
-    if (!this.next) return;
-    this.grid = this.chart.grid = this.next;
-    this.next = null;
-    const { job } = this;
-    this.request = job?.request ?? {};
-    this.question = job?.question ?? null;
-    this.estimate = job instanceof PageJob ? job.estimate : undefined;
-    this.chart.contours = [];
-    this.chart.isOld = false;
-    this.root.classList.remove("old");
-    this.cursor.restore();
-    this.over.place();
+    this.code.replaceChildren(...codeBlocks([python, command]));
   }
 
   /**
-   * @param {import("./grid.js").Cells} cells
-   * @param {Progress} progress
+   * Show the cells of a map; the first ones put it in the place of the one on show.
+   * @param {import("./grid.js").Grid} grid
+   * @param {Record<string, any>} request
+   * @param {MapQuestion | null} question
    */
-  take(cells, { rate }) {
-    this.change();
-    const grid = /** @type {Grid} */ (this.grid);
-    grid.put(cells);
-    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
-    const share = Math.min(grid.done / count, 1);
-    if (rate > 0)
-      this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share),
-        rate: Math.round(rate) }), share);
+  change(grid, request, question) {
+    if (grid !== this.grid) {
+      this.grid = this.chart.grid = grid;
+      this.request = request;
+      this.question = question;
+      this.chart.contours = [];
+      this.chart.isOld = false;
+      this.root.classList.remove("old");
+      this.cursor.restore();
+      this.over.place();
+    }
     this.repaint();
     this.root.dataset.pictures = String(Number(this.root.dataset.pictures ?? 0) + 1);
   }
 
-  /** @param {Progress} progress */
-  finish(progress) {
-    this.change();
-    const grid = /** @type {Grid} */ (this.grid);
-    grid.complete = true;
-    const { count } = /** @type {PageJob | StoredJob} */ (this.job);
-    this.tools.showProgress(doneText(grid, progress, count), 1);
-    this.tools.state(count < grid.width * grid.height ? "coarse" : "done");
+  /**
+   * @param {import("./grid.js").Grid} grid
+   * @param {import("./pool.js").Progress} [progress] of a map that was computed
+   */
+  finish(grid, progress) {
+    this.run = null;
+    this.tools.showProgress(doneText(grid, progress), 1);
+    this.tools.state(grid.done < grid.width * grid.height ? "coarse" : "done");
     this.repaint();
     if (!this.chart.cross) this.cursor.begin();
     this.root.dataset.done = String(Number(this.root.dataset.done ?? 0) + 1);
@@ -296,7 +282,7 @@ export class MapView {
     this.page.messages.show("map", said,
       { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
     // It is refused again where the map is shown again.
-    this.wanted = "";
+    this.asked = null;
     if (field && this.form.fields.has(field)) this.form.error(text, field);
     this.tools.showProgress("", 0);
     this.tools.state("done");
@@ -304,27 +290,20 @@ export class MapView {
 
   stop() {
     clearTimeout(this.timer);
-    if (this.job && !this.job.ended) this.job.cancel();
-    this.job = null;
-    this.next = null;
+    this.run?.abort();
+    this.run = null;
+    this.pool.stop();
   }
 
   stopOrGo() {
-    if (this.tools.now === "asks") {
-      this.agreed = this.wanted;
-      this.tools.showProgress(t("mapBegins"), 0);
-      this.tools.state("busy");
-      this.job?.start();
-    } else if (this.tools.now === "coarse") {
-      this.agreed = sameBut({ ...this.request, stride: 1 });
-      this.controls.keep({ size: USUAL_SIZE });
-    } else if (this.growing()) {
+    if (this.tools.now === "coarse") this.controls.keep({ size: USUAL_SIZE });
+    else if (this.run) {
       this.stop();
       this.tools.showProgress(t("mapStopped"));
       this.tools.state("stopped");
       this.repaint();
     } else {
-      this.wanted = "";
+      this.asked = null;
       this.update(true);
     }
   }
@@ -338,14 +317,12 @@ export class MapView {
     const variable = grid.variables[look.variable];
     chart.look = look;
     chart.lines = this.over.shown();
-    chart.curves = this.over.shownCurves();
     this.controls.showLook(grid, look);
     this.controls.over.showChoices(grid, extra, this.over.off());
     this.bar.canvas.hidden = variable.classes.length > 0;
     this.barTitle.textContent = axisLabel(variable);
     this.bar.show(look, sizeOf(variable));
-    this.classes.replaceChildren(...legend(grid, look, { lines: this.over.shown(), curves: chart.curves,
-      trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
+    this.classes.replaceChildren(...legend(grid, look, { lines: chart.lines, trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
     this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.describe();
     this.over.contours();

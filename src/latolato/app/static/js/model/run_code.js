@@ -12,27 +12,35 @@ const LAST = "gravity";
  * @param {Record<string, any>} options in SI units
  */
 export function pythonLines(registry, options) {
-  const { systems, drives, contact_laws: laws } = registry;
-  const { system, drive = "fixed_pivot", contact } = options;
+  const { systems, drives } = registry;
+  const { system, drive = "fixed_pivot" } = options;
   const lines = ["import latolato as ll", "", `system = ${constructor(registry, systems[system], options)}`];
   const parts = ["system"];
   if (drive !== "fixed_pivot") {
     lines.push(`drive = ${constructor(registry, drives[drive], options)}`);
     parts.push("drive");
   }
-  for (const [name, option] of Object.entries(registry.options)) {
-    const value = options[name];
-    const ofLaw = Object.values(laws).some((law) => law.options.includes(name));
-    if (option.owner !== "run" || ofLaw || isUsual(option, value)) continue;
-    const own = name === "contact" && laws[contact].options.length;
-    parts.push(`${name}=${own ? constructor(registry, laws[contact], options) : literal(option, value)}`);
-  }
-  const noise = Object.entries(registry.options).filter(([name, option]) =>
-    option.owner === "noise" && !isUsual(option, options[name]))
-    .map(([name, option]) => `${name}=${literal(option, options[name])}`);
-  if (noise.length) parts.push(`noise=ll.VelocityKicks(${noise.join(", ")})`);
-  lines.push(`run = ll.simulate(${parts.join(", ")})`);
+  lines.push(`run = ll.simulate(${[...parts, ...runArguments(registry, options)].join(", ")})`);
   return lines.join("\n");
+}
+
+/**
+ * Return the arguments of a run beside its system and drive; what has its default is left out.
+ * @param {Registry} registry
+ * @param {Record<string, any>} options
+ * @param {string[]} [gone] names of options that are given otherwise
+ */
+export function runArguments(registry, options, gone = []) {
+  const { contact_laws: laws } = registry;
+  const given = (/** @type {string} */ owner) => Object.entries(registry.options).filter(([name, option]) =>
+    option.owner === owner && !gone.includes(name) && !isUsual(option, options[name]));
+  const written = (/** @type {[string, Option]} */ [name, option]) => {
+    const law = name === "contact" ? laws[options[name]] : null;
+    return `${name}=${law?.options.length ? constructor(registry, law, options) : literal(option, options[name])}`;
+  };
+  const noise = given("noise").map(written);
+  return [...given("run").filter(([name]) => !Object.values(laws).some((law) => law.options.includes(name))).map(written),
+    ...(noise.length ? [`noise=ll.VelocityKicks(${noise.join(", ")})`] : [])];
 }
 
 /**

@@ -86,7 +86,6 @@ function table(registry, { about, arrays, shapes }, names) {
   const two = registry.systems[about.options.system].angles === 2;
   const isToy = registry.systems[about.options.system].contacts;
   const isString = about.options.suspension === "string";
-  /** @type {{name: string, title: string, at: (i: number) => any}[]} */
   const columns = names.flatMap((name) => {
     const { unit, shown_unit: shownUnit, ...quantity } = registry.quantities[name];
     const label = isString ? quantity.label.replace("of the rod", "of the string") : quantity.label;
@@ -97,24 +96,40 @@ function table(registry, { about, arrays, shapes }, names) {
     const whose = isToy && OF_BALLS.includes(name) ? isBoth ? ", both balls" : ", per ball" : "";
     const rows = two && shape.length === 2 && shape[0] === 2 ? SIDES : [""];
     return rows.map((side, row) => {
-      const whole = side ? `${name}_${side}` : name;
-      if (isShown(shownUnit)) {
-        const head = `${whole} [${shownUnit}]`;
-        return { name: head, title: `# column ${head}: ${label}${whose}`,
-          at: (/** @type {number} */ i) => shownText(values[row * length + i], shownUnit) };
-      }
       const at = name === "contact_kind"
         ? (/** @type {number} */ i) => about.contact_kinds[values[i]]
         : (/** @type {number} */ i) => values[row * length + i];
-      return { name: whole, title: `# column ${whole} [${unit}]: ${label}${whose}`, at };
+      return column(side ? `${name}_${side}` : name, { unit, shownUnit, label: label + whose }, at);
     });
   });
-  const head = Object.entries(about.attributes).map(([name, value]) =>
+  return csv(registry, about.attributes, columns, shapes[names[0]][0]);
+}
+
+/**
+ * Return a column of a table, in the unit in which people read it where files have that.
+ * @param {string} name
+ * @param {{unit: string, shownUnit: string, label: string}} quantity
+ * @param {(i: number) => any} at returns its cells, numbers in SI units
+ */
+export function column(name, { unit, shownUnit, label }, at) {
+  if (!isShown(shownUnit)) return { head: name, title: `# column ${name} [${unit}]: ${label}`, at };
+  const head = `${name} [${shownUnit}]`;
+  return { head, title: `# column ${head}: ${label}`, at: (/** @type {number} */ i) => shownText(at(i), shownUnit) };
+}
+
+/**
+ * Return a table of comma-separated values.
+ * @param {Registry} registry
+ * @param {Record<string, any>} attributes that stand above it
+ * @param {ReturnType<typeof column>[]} columns
+ * @param {number} count of the rows
+ */
+export function csv(registry, attributes, columns, count) {
+  const above = Object.entries(attributes).map(([name, value]) =>
     `# ${withUnit(registry, name)}: ${typeof value === "string" ? value : json(value)}`);
-  const lines = [...head, ...columns.map(({ title }) => title), columns.map(({ name }) => name).join(",")];
-  const shape = shapes[names[0]];
-  for (let i = 0; i < shape[0]; i += 1)
-    lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan")).join(","));
+  const lines = [...above, ...columns.map(({ title }) => title), columns.map(({ head }) => head).join(",")];
+  for (let i = 0; i < count; i += 1)
+    lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan").replace("Infinity", "inf")).join(","));
   return `${lines.join("\n")}\n`;
 }
 
@@ -123,7 +138,7 @@ function table(registry, { about, arrays, shapes }, names) {
  * @param {Registry} registry
  * @param {string} name
  */
-export function withUnit({ quantities }, name) {
+function withUnit({ quantities }, name) {
   const { unit = "1" } = quantities[name.replace(/^(right|left)_/, "")] ?? {};
   return unit === "1" ? name : `${name} [${unit}]`;
 }

@@ -11,7 +11,7 @@ import { short, shownUnit } from "./unit_text.js";
 /** @typedef {import("./unit_text.js").Unit} Unit */
 /**
  * What a field takes: numbers in `usual` where they name no unit, or in another unit that converts to
- * the SI unit `unit`; `shown` is a phrase for the usual one, such as "per second". `isList` says whether
+ * the SI unit `unit`; the unit of the last number of a list is also that of the others without one; `shown` is a phrase for the usual one, such as "per second". `isList` says whether
  * several numbers may be given, `mayBeEmpty` whether none need be; `example` is the text of a number
  * that would do.
  * @typedef {{registry: Pick<Registry, "units" | "prefixes">, usual: Unit, unit: string, shown?: string,
@@ -51,14 +51,14 @@ export function readEntry(typed, takes) {
   }
   const pointed = withPoints(typed, isList);
   const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim());
-  const isPlain = parts.every((part) => splitQuantity(part)?.unit === "");
   const unit = usual.name === "1" ? "" : usual.name;
-  const texts = parts.map((part) => (isPlain ? `${part} ${unit}`.trim() : part));
+  const last = splitQuantity(parts[parts.length - 1])?.unit || unit;
+  const texts = parts.map((part) => (splitQuantity(part)?.unit === "" ? `${part} ${last}`.trim() : part));
   const read = texts.map((text) => readQuantity(takes.registry, text, takes.unit));
   const values = read.map(({ value }) => value);
   const k = values.findIndex(Number.isNaN);
   if (k >= 0) {
-    const [text, shown] = [isList ? local(parts[k]) : typed.trim(), shownUnit(unit)];
+    const [text, shown] = [isList && parts[k] ? local(parts[k]) : typed.trim(), shownUnit(unit)];
     const problem = takes.shown ? t("noNumberOf", { text, unit: takes.shown })
       : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown });
     return wrong([problem, read[k].wayOut].filter(Boolean).join(" "));
