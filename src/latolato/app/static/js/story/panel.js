@@ -5,7 +5,7 @@ import { el, notify } from "../page/dom.js";
 import { openLink, openState } from "../page/links.js";
 import { sayLeft } from "../page/link_parts.js";
 import { inLanguage } from "../page/refusals.js";
-import { LongRunError, Runner } from "../player/runner.js";
+import { Runner } from "../player/runner.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
 import { load, loadSchema } from "./load.js";
@@ -216,7 +216,7 @@ export class StoryPanel {
       const block = request && await this.runner.compute(request).catch((error) => {
         if (error instanceof DOMException && error.name === "AbortError") return undefined;
         // The view says what is wrong.
-        if (error instanceof InputError || error instanceof LongRunError) return null;
+        if (error instanceof InputError) return null;
         throw error;
       });
       const whole = block && part instanceof Step && part.needsPeriod
