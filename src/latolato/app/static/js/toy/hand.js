@@ -297,7 +297,7 @@ export class Hand {
     }
     // These are of the cosine.
     if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
-    this.player.accessibility.liveRegion?.turned(name, this.toy.controls[name], value);
+    this.player.accessibility.liveRegion?.turned();
     this.toy.set({ [name]: value });
     if (name === "drive_amplitude") this.rescale();
     const options = withControls(registry, store.state.options, this.toy.system.kind,
