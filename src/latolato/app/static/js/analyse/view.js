@@ -5,7 +5,6 @@ import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { fileOf, JobLine } from "../page/jobs.js";
 import { openLink } from "../page/links.js";
-import { withOptions } from "../page/option_texts.js";
 import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
@@ -15,7 +14,6 @@ import { ENGLISH, t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
 import { openOverMap } from "./over_map.js";
-import { PointRun } from "./point.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {{title: string, summary: string, notes: string, reading: string, first: string[],
@@ -45,7 +43,6 @@ export class AnalyseView {
     this.isOpening = false;
     this.own = new ArgumentForm(page.registry, (changes) => this.keep(changes));
     this.job = new JobLine();
-    this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
     const id = freshId();
     this.select = el("select", { id, on: { change: () => this.setExtra({ [WHAT]: this.select.value }) } });
@@ -110,7 +107,6 @@ export class AnalyseView {
     this.unsubscribe();
     clearTimeout(this.timer);
     this.job.stop();
-    this.point.rest();
   }
 
   /** Read what the server says about the system and drive, and show the fields. */
@@ -187,8 +183,6 @@ export class AnalyseView {
     this.asked = "";
     delete this.root.dataset.answered;
     this.answer.classList.remove("stale");
-    this.point.rest();
-    this.point.root.hidden = true;
     const { scenario, options } = this.page.store.state;
     const row = (/** @type {[string, Analysis]} */ [name, { title, summary }]) => [
       el("dt", {}, openLink(this.page, { view: "analyse", scenario, options, extra: { [WHAT]: name } }, title)),
@@ -248,15 +242,9 @@ export class AnalyseView {
       return;
     }
     const { words } = this.own;
-    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words), (values, said) =>
-      void this.point.show({ scenario: question.scenario,
-        options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values
-        ? t("pointSaid", { values: said }) : t("pointSaidStart", { values: said })));
+    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words));
     if (question.analysis === CURVE) answer.actions.append(el("button", { type: "button", on: {
       click: () => void this.showOverMap(block) } }, t("showOverMap")));
-    this.point.rest();
-    this.point.root.hidden = true;
-    answer.after.append(this.point.root);
     this.answer.replaceChildren(answer.root);
     // On a phone it comes below the form.
     if (this.answer.getBoundingClientRect().top > window.innerHeight) this.answer.scrollIntoView();
