@@ -17,7 +17,8 @@ REFUSED = {
     "length=much": "“pivot to ball centre”", "length=3 kg": "“pivot to ball centre”",
     "restitution=1.2": "must lie between 0 and 1", "contact=soft": "contact",
     "scenario=fig02&restitution=0.5": "restitution", "scenario=toy&guide=below": "guide",
-    "scenario=toy&initial_angle=1 rad, 2 rad": "initial", "scenario=fig12&drive_times=": "must hold at least 1 value",
+    "scenario=toy&initial_angle=1 rad, 2 rad": "initial",
+    "scenario=fig12&drive_times=": "must hold at least 1 value",
 }  # fmt: skip
 
 

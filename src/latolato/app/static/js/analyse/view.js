@@ -1,6 +1,6 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
-import { askJson, newest, Offline, Refusal } from "../page/api.js";
+import { askJson, Offline, Refusal } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { fileOf, JobLine } from "../page/jobs.js";
@@ -71,7 +71,8 @@ export class AnalyseView {
         el("details", { class: "card laws" }, el("summary", {}, t("lawsOfAnalysis")), laws)),
       el("div", { class: "main" }, el("section", { class: "card" }, this.notice, this.title, this.of),
         this.answer));
-    this.refresh = newest(() => this.look());
+    /** Counts what was asked of the server: an older answer is not shown. */
+    this.turn = 0;
     /** @type {() => void} */
     this.unsubscribe = () => {};
   }
@@ -98,9 +99,9 @@ export class AnalyseView {
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
       if (changed === "extra") return;
       clearTimeout(this.timer);
-      this.timer = window.setTimeout(() => this.refresh(null), changed === "options" ? PAUSE : 0);
+      this.timer = window.setTimeout(() => void this.look(), changed === "options" ? PAUSE : 0);
     });
-    this.refresh(null);
+    void this.look();
   }
 
   hide() {
@@ -112,6 +113,8 @@ export class AnalyseView {
   /** Read what the server says about the system and drive, and show the fields. */
   async look() {
     const { registry } = this.page;
+    this.turn += 1;
+    const { turn } = this;
     try {
       if (!Object.keys(this.analyses).length) {
         this.analyses = await askJson("api/analyses");
@@ -120,13 +123,15 @@ export class AnalyseView {
           ...Object.entries(this.analyses).map(([value, { title }]) => el("option", { value }, title)));
       }
       const about = await askJson("api/analyses/about", this.request);
+      if (turn !== this.turn) return;
       for (const each of Object.values(about.parameters)) each.label = tr(each.label);
       this.about = about;
     } catch (error) {
       if (!(error instanceof Error)) throw error;
+      if (turn !== this.turn) return;
       if (error instanceof Offline) {
         this.notify(t("offline"));
-        this.timer = window.setTimeout(() => this.refresh(null), RETRY);
+        this.timer = window.setTimeout(() => void this.look(), RETRY);
         return;
       }
       const [text, field] = inPagesWords(registry, error instanceof Refusal && error.input || error);

@@ -72,34 +72,6 @@ export async function askBlock(path, body, signal) {
 }
 
 /**
- * Return a function that runs `work` with the newest value it was called with: one at a time,
- * whatever came between is left out.
- * @template T
- * @param {(value: T) => Promise<void>} work
- * @returns {(value: T) => void}
- */
-export function newest(work) {
-  let busy = false;
-  /** @type {{value: T} | null} */
-  let waiting = null;
-  const run = async (/** @type {T} */ value) => {
-    busy = true;
-    try {
-      await work(value);
-    } finally {
-      busy = false;
-      const next = waiting;
-      waiting = null;
-      if (next) void run(next.value);
-    }
-  };
-  return (value) => {
-    if (busy) waiting = { value };
-    else void run(value);
-  };
-}
-
-/**
  * Return the address of a WebSocket of this server.
  * @param {string} path
  */
