@@ -488,7 +488,7 @@ def test_fields_show_the_units_of_the_other_views(page):
     lasting.press("Enter")
     page.wait_for_url("**analyse.sustained_angle=45.5+deg**")
     for typed, asked, shown, read in (
-        ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 0.5 rad : 3", [0.0, 0.25, 0.5]),
+        ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 28.6479 : 3", [0.0, 0.25, 0.5]),
         ("0, 90", "0 deg, 90 deg", "0, 90", [0.0, np.pi / 2]),
     ):
         phases.fill(typed)

@@ -258,12 +258,9 @@ export class Hand {
     for (const button of Object.values(this.parts)) button.disabled = !hasToy;
   }
 
-  /** Begin again as the run begins, with the controls as they are. */
+  /** Begin again as the run of the address begins, which has the controls as they are. */
   restart() {
-    const { toy, asked } = this;
-    if (!toy || !asked) return;
-    const { drive_amplitude: amplitude, drive_frequency: frequency } = toy.controls;
-    this.start(new Toy(toy.kernels, { ...asked, system: toy.system }, { ...cosineOf(asked), amplitude, frequency }));
+    if (this.toy) void this.begin();
   }
 
   /**
