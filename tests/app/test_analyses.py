@@ -304,33 +304,6 @@ def test_a_worker_ends_with_its_input():
     worker.kill()
 
 
-def test_points_of_a_picture_stand_for_the_values_of_its_axes(tmp_path):
-    given = {"analysis": "bifurcation_diagram", "scenario": "fig02", "settings": small("basins") | {
-        "parameter": "frequency_ratio", "low": "1.8", "high": "2.2", "points": "5",
-        "transient_periods": "10", "longest": "4"}}  # fmt: skip
-    given["settings"] = {n: v for n, v in given["settings"].items()
-                      if n in forms()["bifurcation_diagram"]["options"]}  # fmt: skip
-    panels = compute(given, tmp_path, print)["panels"]
-    assert len(panels) == 2  # stroboscopic angles and largest angles, over one axis
-    for panel in panels:
-        assert panel["x"]["name"] == "frequency_ratio"
-        assert panel["x"]["ends"] == pytest.approx([1.8, 2.2])
-        assert panel["y"] is None
-        left, top, right, bottom = panel["box"]
-        assert 0 <= left < right <= 1
-        assert 0 <= top < bottom <= 1
-
-
-def test_points_of_a_picture_stand_for_values_in_the_unit_of_its_axis(tmp_path):
-    axes = {"drive_amplitude": "20 : 60 : 5 mm", "frequency_ratio": "2 : 4 : 5"}
-    given = {"analysis": "pair_symmetry", "scenario": "toy", "settings": axes}
-    (panel,) = compute({**given, "options": {"duration": "60 s"}}, tmp_path, print)["panels"]
-    assert panel["y"]["name"] == "drive_amplitude"
-    assert panel["y"]["unit"] == "m"
-    # SI units under an axis in millimetres, to the edges of the cells
-    assert panel["y"]["ends"] == pytest.approx([0.015, 0.065])
-
-
 def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_path):
     page.goto("/?view=analyse&scenario=fig02")
     page.get_by_role("heading", name="Choose an analysis").wait_for()
@@ -425,38 +398,6 @@ def test_work_that_was_stopped_leaves_no_result(page):
     assert not page.get_by_role("progressbar").is_visible()
 
 
-def test_a_point_of_the_picture_shows_its_run_and_opens_in_play(page):
-    page.goto(
-        "/?view=analyse&scenario=fig02&duration=5 s&analyse.what=bifurcation_diagram"
-        "&analyse.points=5&analyse.transient_periods=10&analyse.longest=4&analyse.low=1.8"
-        "&analyse.high=2.2&analyse.ask=1"
-    )
-    picture = page.get_by_role("application", name="Bifurcation diagram")
-    picture.wait_for(timeout=240_000)
-    picture.press("ArrowRight")
-    picture.press("Enter")
-    page.get_by_text("Driving over natural frequency: 2.004. This run").wait_for()
-    page.wait_for_selector(".point[data-runs]", timeout=240_000)
-    page.get_by_role("link", name="Open in Toy").click()
-    page.wait_for_selector("[data-runs] .player", timeout=240_000)
-    page.wait_for_function("() => window.latolato.views.toy?.player.motion")
-    found = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
-    asked = RunRequest("fig02", {"frequency_ratio": "2.004", "duration": "5 s"}).to_scenario()
-    assert found["drive_frequency"] == asked.drive.drive_frequency
-
-
-def test_the_map_of_a_point_takes_its_frequency_out_of_the_options(page):
-    page.goto("/?view=analyse&scenario=fig02&drive_frequency=6 rad/s")
-    page.wait_for_selector("[data-form]")
-    found = page.evaluate(
-        """async () => { const { withOptions } = await import("/js/page/option_texts.js");
-          const { registry } = window.latolato.views.analyse.page;
-          return withOptions(registry, { drive_frequency: "6 rad/s", length: "1 m" },
-            { frequency_ratio: "2" }); }"""
-    )
-    assert found == {"length": "1 m", "frequency_ratio": "2"}
-
-
 def test_values_that_contradict_each_other_are_refused_in_the_units_of_the_page(page, watch):
     page.goto("/?view=analyse&scenario=toy&length=1.5+cm")
     notice = page.locator(".notice")
@@ -547,7 +488,7 @@ def test_fields_show_the_units_of_the_other_views(page):
     lasting.press("Enter")
     page.wait_for_url("**analyse.sustained_angle=45.5+deg**")
     for typed, asked, shown, read in (
-        ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 0.5 rad : 3", [0.0, 0.25, 0.5]),
+        ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 28.6479 : 3", [0.0, 0.25, 0.5]),
         ("0, 90", "0 deg, 90 deg", "0, 90", [0.0, np.pi / 2]),
     ):
         phases.fill(typed)
