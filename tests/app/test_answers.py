@@ -55,15 +55,12 @@ def test_a_refusal_names_the_field_in_the_words_of_the_page(client):
         (RecursionError("deep"), "internal error (RecursionError)"),
     ],
 )
-def test_a_worker_distinguishes_refusals_from_faults(error, begin, monkeypatch, tmp_path):
+def test_a_job_distinguishes_refusals_from_faults(error, begin, tmp_path):
     def compute(*_):
         raise error
 
-    monkeypatch.setattr("latolato.app.analyse.answer.compute", compute)
-    answers = []
-    worker.run({"job": "analyse", "request": {}, "folder": str(tmp_path)}, answers.append)
-    (answer,) = answers
-    text = InputError(answer["error"], parameter=answer.get("parameter"))
-    assert str(text).startswith(begin)
+    with pytest.raises(InputError) as caught:
+        worker.run(compute, {}, tmp_path)
+    assert str(caught.value).startswith(begin)
     if "internal" in begin:
-        Path(answer["error"].split("'")[1]).unlink()
+        Path(str(caught.value).split("'")[1]).unlink()

@@ -262,7 +262,7 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
 def test_a_stored_map_tells_the_laws_that_curves_must_share(tmp_path):
     axes = {"drive_amplitude": [0.02, 0.03], "frequency_ratio": [2.0, 3.0]}
     grid = ll.load_scenario("fig11").sweep(duration=1.0, transient=0.0, axes=axes)
-    about, _ = unpack(stored.block_of(ll.save(grid, tmp_path / "map.nc"), {}))
+    about, _ = stored.compute({"path": ll.save(grid, tmp_path / "map.nc")}, tmp_path, print)
     fold, _ = read_curves(SHIPPED)
     assert {"system", "drive", "contact", "restitution", "drive_phase"} <= about["laws"].keys()
     assert about["laws"] == {name: fold.attrs[name] for name in about["laws"]}

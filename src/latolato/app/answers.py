@@ -12,7 +12,6 @@ from starlette.exceptions import HTTPException
 from starlette.requests import HTTPConnection, Request
 from starlette.responses import JSONResponse, Response
 
-from latolato.app.processes import JobError
 from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of, refusal_of
@@ -99,9 +98,7 @@ def message_of(error: Exception) -> dict[str, Any]:
 
 
 def parts_of(error: Exception) -> dict[str, Any] | None:
-    """Return the parts of refused input; those that the process of a job has told stay."""
-    if isinstance(error, JobError):
-        return error.told
+    """Return the parts of refused input, None of another fault."""
     return error.parts() if isinstance(error, InputError) else None
 
 

@@ -19,7 +19,6 @@ from latolato.app.answers import answered, json_of, refusal
 from latolato.app.experiment.store import MOST_BYTES, Store
 from latolato.app.guard import Guard
 from latolato.app.pages import Report, page_file, static
-from latolato.app.processes import Workers
 from latolato.app.run_request import RunRequest
 from latolato.core.errors import InputError
 
@@ -63,9 +62,7 @@ def make_app(settings: Settings) -> Starlette:
     )
     app.state.workers = None
     app.state.has_report = settings.report is not None
-    app.state.jobs = Workers()
     app.state.clips = Store(settings.most_bytes)
-    app.state.clip_jobs = Workers(once=True)
     app.state.stored = dict(settings.stored)
     return app
 
@@ -74,8 +71,6 @@ def make_app(settings: Settings) -> Starlette:
 async def _lifespan(app: Starlette) -> AsyncIterator[None]:
     """Leave neither processes nor files behind in the end."""
     yield
-    app.state.jobs.close()
-    app.state.clip_jobs.close()
     app.state.clips.close()
 
 

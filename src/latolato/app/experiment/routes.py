@@ -138,7 +138,7 @@ def _trials_csv(clips: list[Clip]) -> Response:
 
 async def _job(websocket: WebSocket) -> None:
     state = websocket.app.state
-    await serve_job(websocket, state.clip_jobs, lambda request: prepare(request, state.clips))
+    await serve_job(websocket, lambda request: prepare(request, state.clips))
 
 
 async def _desk(websocket: WebSocket) -> None:

@@ -7,7 +7,7 @@ import shutil
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
@@ -47,8 +47,6 @@ class Clip:
         Bytes received.
     is_whole : bool
         Whether it is complete: uploaded, or painted.
-    about : dict
-        The results of the work on it.
     trial : dict, optional
         Its row of the trial table.
     """
@@ -58,7 +56,6 @@ class Clip:
     name: str
     size: int = 0
     is_whole: bool = False
-    about: dict[str, Any] = field(default_factory=dict)
     trial: dict[str, Any] | None = None
 
     @property

@@ -28,9 +28,9 @@ async def _stored(request: Request) -> Response:
 
 async def _open(websocket: WebSocket) -> None:
     state = websocket.app.state
-    await serve_job(websocket, state.jobs, partial(stored.prepare, state.stored))
+    await serve_job(websocket, partial(stored.prepare, state.stored))
 
 
 async def _file(websocket: WebSocket) -> None:
     state = websocket.app.state
-    await serve_job(websocket, state.jobs, partial(files.prepare, state.stored))
+    await serve_job(websocket, partial(files.prepare, state.stored))

@@ -174,7 +174,7 @@ export class Session {
       return;
     }
     clip.about = about;
-    clip.times = inner(block, "times").arrays.time;
+    clip.times = block.arrays.time;
     if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
     const { proposal, width, height } = about;
     clip.hasPivot = Boolean(proposal?.pivot);
