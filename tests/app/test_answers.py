@@ -12,8 +12,8 @@ from latolato.core.errors import InputError
 
 @pytest.fixture
 def client():
-    app = make_app(Settings(port=80))
-    with TestClient(app, base_url="http://127.0.0.1") as client:
+    app, home = make_app(Settings()), "http://127.0.0.1"
+    with TestClient(app, base_url=home, raise_server_exceptions=False) as client:
         yield client
 
 

@@ -6,17 +6,12 @@ import re
 import tempfile
 import threading
 from collections.abc import Callable, Mapping
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from starlette.requests import Request
 from starlette.responses import Response
-from starlette.routing import BaseRoute, Route, WebSocketRoute
 
-from latolato.app.answers import answered
 from latolato.app.blocks import content_of
-from latolato.app.jobs import Job, serve_job
 from latolato.app.run_request import MOST_SAMPLES, RunRequest
 from latolato.app.runs import sampled, scenario_of
 from latolato.app.worker import Result
@@ -34,19 +29,6 @@ FPS = 30.0
 PICTURE_DPI = 200
 # Figures share matplotlib's settings.
 drawing_lock = threading.Lock()
-
-
-def routes() -> list[BaseRoute]:
-    """Return the routes of downloads."""
-    return [
-        Route("/download/run.{kind}", _download),
-        WebSocketRoute("/ws/animation", partial(serve_job, prepare=partial(Job, compute))),
-    ]
-
-
-async def _download(request: Request) -> Response:
-    wanted = request_of(dict(request.query_params))
-    return await answered(request, file_response, wanted, request.path_params["kind"])
 
 
 def request_of(query: Mapping[str, str]) -> RunRequest:

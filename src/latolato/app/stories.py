@@ -9,15 +9,10 @@ from __future__ import annotations
 import json
 import tomllib
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from latolato.app import STATIC
 from latolato.core.errors import InputError
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
 
 FOLDER = STATIC / "stories"
 
@@ -41,16 +36,3 @@ def read(path: Path) -> dict[str, Any]:
 def contents(folder: Path = FOLDER) -> dict[str, dict[str, Any]]:
     """Return the tables of all files in a folder by their names."""
     return {path.stem: read(path) for path in sorted(folder.glob("*.toml"))}
-
-
-def routes() -> list[BaseRoute]:
-    """The server's routes for stories."""
-    from starlette.routing import Route
-
-    return [Route("/stories/contents.json", _contents)]
-
-
-async def _contents(request: Request) -> Response:
-    from starlette.responses import JSONResponse
-
-    return JSONResponse(contents())

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import Any, Protocol
 
+from latolato.app.experiment.store import UPLOAD, Clip, Store
+from latolato.app.jobs import Job
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
-
-if TYPE_CHECKING:
-    from latolato.app.experiment.store import Clip, Store
-    from latolato.app.jobs import Job
-    from latolato.app.worker import Result
 
 
 class Progress(Protocol):
@@ -21,33 +20,30 @@ class Progress(Protocol):
         """Tell the part of a stage that is done."""
 
 
-def prepare(request: Mapping[str, Any], store: Store) -> Job:
-    """Return the job that a page asks for: ``{"desk", "do", "clip", ...}``.
+def prepare(store: Store, request: Mapping[str, Any]) -> Job:
+    """Return the job that a page asks for: ``{"do", "clip", ...}``.
 
     Raises
     ------
     InputError
         For a page or a clip that has gone.
     """
-    from latolato.app.jobs import Job
-
-    desk, do = store.desk(request["desk"]), request["do"]
+    do = request["do"]
     if do == "example":
-        clip = store.admit(desk, f"{request['kind']}.mp4")
+        clip = store.admit(request["desk"], f"{request['kind']}.mp4")
     else:
-        clip = desk.clip(request["clip"])
+        clip = store.clip(request["clip"])
 
     def finish(about: dict[str, Any]) -> dict[str, Any]:
-        if do in ("look", "example"):
-            clip.is_whole = True
+        if do == "example":
             about["clip"] = clip.key
         if do in ("track", "import"):
             clip.trial = about["trial"]
-            about["trials"] = trial_rows(list(desk.clips.values()))
+            about["trials"] = trial_rows(store.of_desk(clip.desk))
         return about
 
     work = {**request, "name": clip.name}
-    return Job(compute, work, finish, place=lambda: desk.work_on(clip))
+    return Job(compute, work, finish, place=partial(store.work_on, clip))
 
 
 def trial_rows(clips: list[Clip]) -> list[dict[str, Any]]:
@@ -72,8 +68,6 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Res
     InputError
         With the reason.
     """
-    from latolato.app.experiment.store import UPLOAD
-
     job = {**request, "folder": str(folder), "path": str(folder / UPLOAD)}
     try:
         # Here: a failure is reported as any other.

@@ -152,7 +152,7 @@ export class Session {
   async example(kind) {
     const clip = this.begin(t(`example_${kind}`), null);
     const block = await this.work(clip, (follow) =>
-      this.desk.job({ do: "example", kind }, follow));
+      this.desk.job({ do: "example", kind, desk: this.desk.hello?.desk }, follow));
     if (!block) return null;
     clip.key = block.about.clip;
     clip.epoch = this.desk.epoch;
@@ -280,8 +280,7 @@ export class Session {
     if (clip.url) URL.revokeObjectURL(clip.url);
     this.changed();
     if (!this.isKept(clip)) return;
-    const rest = await askJson("api/experiment/remove",
-      { desk: this.desk.hello?.desk, clip: clip.key }).catch(() => null);
+    const rest = await askJson("api/experiment/remove", { clip: clip.key }).catch(() => null);
     if (rest) this.trials = rest.trials;
     this.changed();
   }
