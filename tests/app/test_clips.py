@@ -354,6 +354,7 @@ def test_a_page_that_is_not_served_any_more_is_no_fault(page):
         ({"length": "36 parsec"}, "length"),
         ({"length": "3 kg"}, "length"),
         ({"length": "-1 cm"}, "length must lie in (0"),
+        ({"length": "1e30 cm"}, "length must lie in (0, 1000] m"),
         ({"length": "nan m"}, "length"),
         ({"mass": [1]}, "mass must be a text or a number"),
         ({"pivot": [1]}, "pivot must be a column and a row"),

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 from latolato.app.forms import shown_option
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.core.registry import checked_choice, checked_count, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
@@ -34,6 +34,8 @@ if TYPE_CHECKING:
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
 # Sizes that a page asks for beside these.
 SIZES = ("stick_length", "patch")
+# Nothing that hangs is longer [m].
+LONGEST = 1000.0
 # What only pages ask for.
 LENGTH_SIGMA = Parameter(
     name="length_sigma",
@@ -203,11 +205,13 @@ def quantities() -> dict[str, Parameter]:
     """The quantities that a page asks for, with what they may be."""
     options = law_options()
     shared = {name: replace(options[name], suggested=None) for name in SHARED}
-    # Laws know balls without a size, pictures do not.
-    shared["radius"] = replace(shared["radius"], allowed=POSITIVE)
     camera = {parameter.name: parameter for parameter in CAMERA}
     sizes = {name: VIDEO_PARAMETERS[name] for name in SIZES}
-    return {**shared, **camera, **sizes, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+    known = {**shared, **camera, **sizes, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+    # Laws know balls without a size, pictures do not.
+    lengths = {name: one for name, one in known.items() if one.unit == "m"}
+    allowed = Range(0.0, LONGEST, open_low=True)
+    return known | {name: replace(one, allowed=allowed) for name, one in lengths.items()}
 
 
 def _number(parameter: Parameter, value: Any) -> float:
