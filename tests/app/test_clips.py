@@ -17,7 +17,7 @@ import latolato as ll
 from app_server import start_server, stop_server
 from clip_pages import end_of, one_line, opened
 from latolato.app.blocks import unpack
-from latolato.app.experiment.description import Description
+from latolato.app.experiment.description import described
 from latolato.app.experiment.jobs import compute
 from latolato.app.experiment.work import WORK
 from latolato.core.errors import InputError
@@ -354,7 +354,6 @@ def test_a_page_that_is_not_served_any_more_is_no_fault(page):
         ({"length": "36 parsec"}, "length"),
         ({"length": "3 kg"}, "length"),
         ({"length": "-1 cm"}, "length must lie in (0"),
-        ({"length": "1e30 cm"}, "length must lie in (0, 1000] m"),
         ({"length": "nan m"}, "length"),
         ({"mass": [1]}, "mass must be a text or a number"),
         ({"pivot": [1]}, "pivot must be a column and a row"),
@@ -365,7 +364,7 @@ def test_a_page_that_is_not_served_any_more_is_no_fault(page):
 )
 def test_the_description_of_a_video_is_checked(description, message):
     with pytest.raises(InputError, match=re.escape(message)):
-        Description.from_json(description)
+        described(description)
 
 
 def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path, monkeypatch):

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
+from latolato.app.experiment.description import Description, apparatus_of
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError
 from latolato.experiment.fits import fits
@@ -21,8 +22,6 @@ from latolato.scenario.scenario import Scenario
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from latolato.app.experiment.description import Description
 
 # Instants and angles of each ball that a page draws.
 Motion = list[tuple[Any, Any]]
@@ -70,7 +69,7 @@ def fit_of(
     InputError
         If the table does not allow it.
     """
-    kind, apparatus = fits[name], description.apparatus(table)
+    kind, apparatus = fits[name], apparatus_of(description, table)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         fit = kind.fit(table, apparatus)
@@ -213,8 +212,8 @@ def trial_row(
     if str(table.attrs.get("geometry")) == "unknown":
         return None, "no pivot in the picture: no angles"
     try:
-        gravity = description.apparatus(table).gravity
-        row = trial_of(table, length=description.length, gravity=gravity)
+        gravity = apparatus_of(description, table).gravity
+        row = trial_of(table, length=description.get("length"), gravity=gravity)
     except InputError as error:
         error.way_out = None
         return None, str(error)

@@ -15,7 +15,13 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.experiment.code import command_lines, python_lines
-from latolato.app.experiment.description import EXPORTS, Description, is_table
+from latolato.app.experiment.description import (
+    EXPORTS,
+    Description,
+    apparatus_of,
+    described,
+    is_table,
+)
 from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_row
 from latolato.app.experiment.store import COPY
@@ -45,6 +51,10 @@ TABLE, TIMES = "track.csv", "times.npy"
 _SHOWN = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
           "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
           "length")  # fmt: skip
+# What a description tells tracking beside places, frames and the camera.
+_DECLARED = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
+             "shape", "patch", "click_frame", "corrections")  # fmt: skip
+_OPTICS = ("row_time", "lens_k1", "lens_k2")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Frames of an example, small enough to be painted in seconds.
@@ -129,25 +139,23 @@ def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> l
 
 def track(job: Job, tell: Tell) -> Result:
     """Track a video, write its table, and return what the table and the usual fits say."""
-    description = Description.from_json(job["description"])
-    if not description.balls:
+    description = described(job["description"])
+    if not description.get("balls"):
         raise InputError("point at one ball or two")
     path = Path(job["path"])
-    optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
-    names = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
-             "shape", "patch", "click_frame", "corrections")  # fmt: skip
-    known: dict[str, Any] = {name: getattr(description, name) for name in names}
+    known: dict[str, Any] = {name: description[name] for name in _DECLARED if name in description}
+    optics = {name: description[name] for name in _OPTICS if name in description}
     times = np.load(Path(job["folder"]) / TIMES)
-    ends = {"start": description.first_frame, "end": description.last_frame}
+    ends = {"start": description.get("first_frame"), "end": description.get("last_frame")}
     if any(number is not None for number in ends.values()):
-        slower = description.slow_motion or open_video(path).slow_motion
+        slower = description.get("slow_motion") or open_video(path).slow_motion
         for name, number in ends.items():
             if number is not None:
                 known[name] = times[min(number, len(times) - 1)] / slower
     settings = {**known, "optics": Optics(**optics)}
-    task = prepare(path, description.pivot, description.balls, settings)
+    task = prepare(path, description.get("pivot"), description["balls"], settings)
     task.warnings.clear()
-    task.setup = replace(task.setup, is_proposed=description.is_proposed)
+    task.setup = replace(task.setup, is_proposed=description.get("is_proposed", False))
     table = run(task, lambda share: tell("tracking", share))
     table.attrs["source"] = job["name"]
     folder = Path(job["folder"])
@@ -163,14 +171,14 @@ def track(job: Job, tell: Tell) -> Result:
 
 def import_(job: Job, tell: Tell) -> Result:
     """Import a table, write its track table, and return what that and the usual fits say."""
-    description = Description.from_json(job["description"])
+    description = described(job["description"])
     tell("reading", 0.0)
     path, folder = Path(job["path"]), Path(job["folder"])
     choices = None if is_track_file(path) else import_of(path, description)
     table = track_table_of(job, choices)
     result, models = _results(table, description, folder, None, tell)
     kinds = [name for name, card in result["fits"].items() if "values" in card]
-    about = (job["name"], choices, kinds, description.apparatus(table))
+    about = (job["name"], choices, kinds, apparatus_of(description, table))
     code = [python_lines(*about), command_lines(*about)]
     assumed = table.attrs.get("assumed")
     warned = [assumed] if assumed else []
@@ -199,7 +207,7 @@ def _results(
     cards, models = fits_of(table, description, size)
     result = {
         "finding": finding_of(table, cards, trial),
-        "answer": answer_of(table, cards, trial, description.apparatus(table)),
+        "answer": answer_of(table, cards, trial, apparatus_of(description, table)),
         "fits": cards,
         "trial": trial,
         "no_trial": why,
@@ -273,7 +281,7 @@ def fit(job: Job, tell: Tell) -> Result:
     table = read_table(Path(job["folder"]) / TABLE)
     video = None if is_table(job["name"]) else open_video(job["path"])
     size = (video.width, video.height) if video else None
-    return fit_of(job["kind"], table, Description.from_json(job["description"]), size)
+    return fit_of(job["kind"], table, described(job["description"]), size)
 
 
 def export(job: Job, tell: Tell) -> Result:
