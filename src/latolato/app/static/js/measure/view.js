@@ -181,7 +181,6 @@ export class MeasureView {
       mode: (mode) => this.mode(mode),
       reset: () => this.asProposed(),
       cancel: () => this.session.clip?.cancel(),
-      outside: (isOutside) => this.changed({ isPivotOutside: isOutside }),
       tool: (change) => this.changed(change),
       sheet: (change) => this.sheetChanged(change),
       sign: (decimal) => this.signed(decimal),
