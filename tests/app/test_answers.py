@@ -35,14 +35,15 @@ def test_a_fault_is_a_500_with_one_sentence_and_its_traceback_in_a_file(client, 
         path.unlink()
 
 
-def test_a_refusal_names_the_field_in_the_words_of_the_page(client):
+def test_a_refusal_names_the_field_and_its_rule(client):
     options = {"drive": "harmonic", "drive_amplitude": "x", "drive_frequency": "6"}
     answer = client.post("/api/run", json={"scenario": "fig02", "options": options})
     assert answer.status_code == 422
     message = answer.json()
     assert message["field"] == "drive_amplitude"
-    assert message["error"].startswith("“driving amplitude” must be given in m")
-    assert "_" not in message["error"]
+    assert message["error"].startswith("drive_amplitude must be given in m")
+    # From which the page makes a sentence in its own words.
+    assert message["parts"]["rule"]["name"] == "quantity_of_unit"
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,6 @@ from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of, refusal_of
 
-# What a page asks about tables beside the options of laws.
-_OF_TABLES = ("decimal",)
 # A request for numbers is a few kilobytes; a list of pivot heights may be more.
 MOST_BODY = 2_000_000  # bytes
 # `Exception` stands for faults of the program.
@@ -49,41 +47,19 @@ def refused(request: Request, error: Exception) -> Response:
 
 
 def message_of(error: Exception) -> dict[str, Any]:
-    """Return the message of an error for a page, the option that it is about, and its parts.
+    """Return one line on an error, the parameter that it is about, and the parts of refused input.
 
-    The message calls the option what the page calls it. Of its parts, `InputError.parts`, a page
-    makes it in another language; they are None for a fault of the program.
+    From the parts, `InputError.parts`, a page writes the line in its own words.
 
     Examples
     --------
-    >>> message = message_of(InputError("must be in m", parameter="drive_amplitude", value="x"))
+    >>> message = message_of(InputError("must be in m", parameter="initial_angle[1]", value="x"))
     >>> message["error"], message["field"]
-    ("“driving amplitude” must be in m, got 'x'", 'drive_amplitude')
+    ("initial_angle[1] must be in m, got 'x'", 'initial_angle')
     """
-    from latolato.app.forms import label_of
-
-    field = field_of(error)
-    if not isinstance(error, InputError) or field is None:
-        return {"error": line_of(error), "field": None, "parts": parts_of(error)}
-    text = error.worded(f"“{label_of(field)}”")
-    return {"error": text, "field": field, "parts": parts_of(error)}
-
-
-def parts_of(error: Exception) -> dict[str, Any] | None:
-    """Return the parts of refused input, None of another fault."""
-    return error.parts() if isinstance(error, InputError) else None
-
-
-def field_of(error: Exception) -> str | None:
-    """Return the option of a run or a table that an error is about."""
-    from latolato.scenario.options import law_options
-
-    name = parameter_of(error)
-    return name if name in law_options() or name in _OF_TABLES else None
-
-
-def parameter_of(error: Exception) -> str | None:
-    """Return the name of the parameter that an error is about, without the number of its value."""
-    if not isinstance(error, InputError) or error.parameter is None:
-        return None
-    return error.parameter.partition("[")[0]  # of initial_angle[1]
+    message: dict[str, Any] = {"error": line_of(error), "field": None, "parts": None}
+    if isinstance(error, InputError):
+        message["parts"] = error.parts()
+        if error.parameter is not None:
+            message["field"] = error.parameter.partition("[")[0]
+    return message

@@ -20,11 +20,10 @@ import anyio
 from anyio import to_process, to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import parameter_of, parts_of
+from latolato.app.answers import message_of
 from latolato.app.blocks import pack
 from latolato.app.worker import Compute, Result, run, stand_back, status_in
 from latolato.core.errors import InputError
-from latolato.core.faults import line_of
 
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
@@ -82,9 +81,7 @@ async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None
             job = await to_thread.run_sync(prepare, request)
             block = await _done(websocket, job)
         except Exception as error:
-            # As it is: analyses have parameters of their own, for which their page has labels.
-            message = {"error": line_of(error), "field": parameter_of(error)}
-            await websocket.send_json({**message, "parts": parts_of(error)})
+            await websocket.send_json(message_of(error))
         else:
             if block is None:
                 return

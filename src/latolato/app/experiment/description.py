@@ -109,7 +109,8 @@ def _choice(name: str, *choices: str) -> Callable[[Any], str]:
     return lambda value: checked_choice(name, value, choices)
 
 
-# What a page says beside quantities, each with its check. Frames count from the first of the video.
+# What a page gives besides quantities, each with its check. Frames count from the first of the
+# video.
 _CHECKS: dict[str, Callable[[Any], Any]] = {
     "pivot": _pivot,
     "balls": _balls,
