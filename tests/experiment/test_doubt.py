@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from broken_records import BROKEN, WHOLE, make_record
-from latolato.app.experiment.description import Description
 from latolato.app.experiment.fits import fits_of
 from latolato.cli.main import app
 from latolato.core.errors import InputError
@@ -302,7 +301,7 @@ def test_files_json_and_pages_hold_the_doubt(tmp_path):
     found = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)
     assert found["describes"] is False
     assert found["attributes"]["break"] == "phase jump"
-    card = fits_of(table, Description(), tmp_path, (640, 480))["decay"]
+    card = fits_of(table, {}, (640, 480))[0]["decay"]
     assert "values" not in card
     assert "does not describe this record" in card["error"]
 

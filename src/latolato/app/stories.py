@@ -13,7 +13,7 @@ import tomllib
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from latolato.app import STATIC
 from latolato.app.forms import registry
@@ -21,11 +21,6 @@ from latolato.app.run_request import RunRequest
 from latolato.core.errors import InputError
 from latolato.core.registry import suggest
 from latolato.scenario.units import to_si
-
-if TYPE_CHECKING:
-    from starlette.requests import Request
-    from starlette.responses import Response
-    from starlette.routing import BaseRoute
 
 FOLDER = STATIC / "stories"
 # What files may hold. An entry is a type, the name of a table, or such in a list with the least and
@@ -213,16 +208,3 @@ _RULES: dict[str, Callable[[Mapping[str, Any]], None]] = {
     "number_shown": _check_angle,
     "task": _check_task,
 }
-
-
-def routes() -> list[BaseRoute]:
-    """The server's routes for stories."""
-    from starlette.routing import Route
-
-    return [Route("/stories/contents.json", _contents)]
-
-
-async def _contents(request: Request) -> Response:
-    from starlette.responses import JSONResponse
-
-    return JSONResponse(contents())

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.request import AnalysisRequest
+from latolato.app.blocks import content_of
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
 from latolato.io.analysis_tables import to_csv
 
@@ -19,10 +21,8 @@ _PICTURE_DPI = 200
 _BY = " \N{MULTIPLICATION SIGN} "
 
 
-def compute(
-    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
-) -> dict[str, Any]:
-    """Run an analysis and write its result: what the job `analyse` does in its process.
+def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]) -> Result:
+    """Run an analysis and write its result, with the lines of Python and shell that do the same.
 
     How much of it is done is not known before its end, so `progress` is never called.
     """
@@ -33,7 +33,8 @@ def compute(
     from latolato.io.files import save
 
     asked = AnalysisRequest.from_json(request)
-    result = asked.function(**asked.arguments())
+    arguments = asked.arguments()
+    result = asked.function(**arguments)
     save(result, folder / "result.nc")
     (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
     try:
@@ -43,7 +44,11 @@ def compute(
     else:
         save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
         save_figure(figure, folder / "result.svg")
-    return {"analysis": asked.name, "lines": numbers_of(result)}
+    about = {
+        "analysis": asked.name, "lines": numbers_of(result),
+        "python": asked.python(arguments), "command": asked.command(),
+    }  # fmt: skip
+    return about, {path.suffix[1:]: content_of(path) for path in folder.glob("result.*")}
 
 
 def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:

@@ -266,10 +266,11 @@ export class Knob {
     const [low, high] = this.limits;
     const nearest = value === null || this.reaches(value) ? null : value < low ? low : high;
     const [least, most] = this.limits.map((end) => localShort(end / this.unit.size, 4));
-    this.error(problem ?? t("outOfRange", { name: this.label, low: least,
-      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() }));
+    const text = problem ?? t("outOfRange", { name: this.label, low: least,
+      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() });
+    this.error(text);
     if (nearest !== null && this.problemWith(nearest) === null)
-      this.note.append(" ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
+      this.note.append(text.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
         t("takeNearest", { value: this.wordsOf(nearest) })));
   }
 
