@@ -496,8 +496,17 @@ def value_on(page):
     return float(number.get_attribute("data-value"))
 
 
+# How far an element reaches out of the window, or of what it scrolls in [px].
+HIDDEN = """(elements) => elements.map((element) => {
+  const { top, bottom } = element.getBoundingClientRect();
+  const frame = document.querySelector(".story-body").getBoundingClientRect();
+  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
+})"""
+
+
 @pytest.mark.parametrize("name, language", IN_ONE)
-def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
+def test_a_story_is_told_to_its_end_by_keys_alone_on_a_phone(page, name, language):
+    page.set_viewport_size(SIZES[1])
     steps = FILES[name]["steps"]
     foreign = {text for text in texts_of(FILES[name]) if said(text, language) != text}
     assert bool(foreign) == (language != "en")
@@ -518,6 +527,13 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
         if "toy.hand" in step["look"].get("extra", {}):  # whose stage leaves the focus where it is
             page.locator("[data-ready]").wait_for()
         assert page.evaluate("document.activeElement.textContent") == title
+        # All answers and the button that checks one are in view, in a longer language a swipe away.
+        assert panel.locator("[type=submit]").evaluate_all(HIDDEN) == pytest.approx([0], abs=1), i
+        answers = panel.locator(".check")
+        if language == "en":
+            assert answers.evaluate_all(HIDDEN) == pytest.approx([0] * answers.count(), abs=1), i
+        answers.last.scroll_into_view_if_needed()
+        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
         tab_to(page, radios.first)
         page.keyboard.press("Space")
         for _ in range(right):
@@ -701,38 +717,6 @@ def test_a_phone_sees_the_stage_above_the_panel(page, place):
     panel = page.locator("#story").bounding_box()
     assert stage["y"] >= 0
     assert stage["y"] + stage["height"] <= panel["y"] + 1
-
-
-# How far an element reaches out of the window, or of what it scrolls in [px].
-HIDDEN = """(elements) => elements.map((element) => {
-  const { top, bottom } = element.getBoundingClientRect();
-  const frame = document.querySelector(".story-body").getBoundingClientRect();
-  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
-})"""
-
-
-@pytest.mark.parametrize("name, language", IN_ONE)
-def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
-    page.set_viewport_size(SIZES[1])
-    page.goto(address(name) + f"&lang={language}")
-    steps = FILES[name]["steps"]
-    for step, tables in enumerate(steps, start=1):
-        page.get_by_role("heading", name=said(tables["title"], language), exact=True).wait_for()
-        check = page.locator(".story-step [type=submit]")
-        assert check.evaluate_all(HIDDEN) == pytest.approx([0], abs=1), step
-        answers = page.locator(".story-step .check")
-        hidden = answers.evaluate_all(HIDDEN)
-        if language == "en":
-            assert hidden == pytest.approx([0] * answers.count(), abs=1), step
-        # The others are a swipe away, and not below what stays in place.
-        answers.last.scroll_into_view_if_needed()
-        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
-        answers.last.click()
-        check.click()
-        page.locator(".story-reply:not(:empty)").first.wait_for()
-        if step < len(steps):
-            page.get_by_role("button", name=said("storyAnyway", language)).click()
-            page.get_by_role("button", name=said("storyNext", language), exact=True).click()
 
 
 @pytest.mark.parametrize("height", [664, 740])
