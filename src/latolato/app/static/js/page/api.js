@@ -27,10 +27,6 @@ export class Refusal extends Error {
 export class Offline extends Error {}
 
 /**
- * @typedef {{scenario?: string | null, options: Record<string, any>}} RunRequest
- */
-
-/**
  * The server's response to JSON; a refused request throws a Refusal.
  * @param {string} path
  * @param {any} [body] without it the request is a GET
