@@ -4,7 +4,7 @@ import { splitQuantity } from "../model/units.js";
 import { ENGLISH, t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
-import { unitPreferences } from "./preferences.js";
+import { keep, recall } from "./preferences.js";
 import { localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */
@@ -20,6 +20,8 @@ import { localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 const COARSE = 4;
 // Ends of sliders are round numbers up to so much of a step.
 const ROUNDING = 1e-6;
+// What the browser calls the unit that was chosen last for an option.
+const UNIT = "latolato.unit.";
 /** A key moves a knob by this share of its slider. */
 const KEY_STEP = 0.01;
 
@@ -70,7 +72,7 @@ export class Knob {
     this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
       change: () => {
         this.chosen = /** @type {HTMLSelectElement} */ (this.units).value;
-        unitPreferences.keep(name, this.chosen);
+        keep(UNIT + name, this.chosen);
         if (this.value !== null) this.show(this.value);
         unitChosen?.();
       } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
@@ -93,8 +95,8 @@ export class Knob {
   /** The unit on show. @returns {Unit} */
   get unit() {
     const { units } = this.option;
-    const named = (/** @type {string | undefined} */ name) => units.find((u) => u.name === name);
-    return this.only ?? named(this.chosen) ?? named(unitPreferences.all[this.name]) ?? units[0]
+    const named = (/** @type {string | null} */ name) => units.find((u) => u.name === name);
+    return this.only ?? named(this.chosen) ?? named(recall(UNIT + this.name)) ?? units[0]
       ?? { name: "", size: 1 };
   }
 
