@@ -141,9 +141,12 @@ def test_balls_are_drawn_where_the_run_has_them(page, scenario):
 # Reads the canvas of a curve: for some columns the rows in which a colour is seen.
 READ_CURVE = """({ chart, series }) => {
   const { plot, curves } = window.latolato.views.toy.player.curves.charts[chart];
-  const { ctx } = plot;
-  const canvas = ctx.canvas;
-  const { data } = ctx.getImageData(0, 0, canvas.width, canvas.height);
+  const { canvas } = plot.ctx;
+  const copy = document.createElement("canvas");
+  [copy.width, copy.height] = [canvas.width, canvas.height];
+  const context = copy.getContext("2d", { willReadFrequently: true });
+  context.drawImage(canvas, 0, 0);
+  const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
   const paint = getComputedStyle(document.documentElement)
     .getPropertyValue(`--${curves[series].paint}`).trim();
   const wanted = [1, 3, 5].map((k) => parseInt(paint.slice(k, k + 2), 16));

@@ -115,10 +115,4 @@ def page(anchor: Any, watch: Watch) -> Iterator[Any]:
     for other in anchor.context.pages[1:]:
         other.close()
     anchor.context.clear_cookies()
-    anchor.evaluate(
-        """() => {
-          localStorage.clear();
-          const request = indexedDB.deleteDatabase("latolato");
-          return new Promise((done) => { request.onsuccess = request.onerror = () => done(); });
-        }"""
-    )
+    anchor.evaluate("() => localStorage.clear()")
