@@ -278,12 +278,12 @@ BROKEN = {
     "view=toy&scenario=toy&drive=toString": "“drive=toString”",
     "view=toy&__proto__=1&scenario=toy": "“__proto__=1”",
     "view=toy&scenario=toy&system=pendulum&__proto__=1": "“__proto__=1”",
-    "view=toy&scenario=toy&length=3 constructor": "“length=3 constructor”",
-    "view=toy&scenario=toy&duration=1e999 s": "“duration=1e999 s”",
+    "view=toy&scenario=toy&length=3 constructor": "must be a number in cm, got '3 constructor'",
+    "view=toy&scenario=toy&duration=1e999 s": "“duration” must be a number in s",
     f"view=toy&scenario={'x' * 5000}": "“scenario=xxx",
     "view=map&format=99": "made by a newer latolato",
     "view=toy&toy.hand=1&scenario=constructor": "“scenario=constructor”",
-    "view=toy&toy.hand=1&scenario=toy&radius=NaN": "“radius=NaN”",
+    "view=toy&toy.hand=1&scenario=toy&radius=NaN": "“radius of one ball” must be a number in mm",
 }
 
 
