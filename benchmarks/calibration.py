@@ -66,7 +66,7 @@ def ranks_of(task: tuple[str, int]) -> dict[str, int] | None:
         table, system, drive, list(prior), ball=None, start=None, end=None, window=None,
         prior=prior, fits_pivot=True,
     )  # fmt: skip
-    density = Density.about(found)
+    density = Density(found)
     values, broken = sampled(density, 200, 2, seed)
     flat = values.reshape(-1, values.shape[-1])
     thin = np.random.default_rng(seed).permutation(len(flat))[:RANKS]

@@ -4,22 +4,14 @@ import { pathToFileURL } from "node:url";
 
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
-const [{ specify }, { run }, { blockOf }, { loadRegistry }, { loadAll, loadSchema }, { check }, { quantity, withPeriod }, { runOnShow, shownBy },
+const [{ specify }, { run }, { blockOf }, { loadRegistry }, { quantity, withPeriod }, { runOnShow, shownBy },
   { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/run_block",
-  "model/registry", "story/load", "story/check", "story/numbers", "story/look", "story/scores"].map(load));
+  "model/registry", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
-const { files, numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
+const { numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
 const plain = (value) => (Number.isFinite(value) ? value : null);
 const blockFor = async (request) => blockOf(run(await specify(registry, request), 30_000));
 
-const sentences = [];
-for (const tables of files)
-  try {
-    check(registry, await loadSchema(), tables);
-    sentences.push("");
-  } catch (error) {
-    sentences.push(error.message);
-  }
 const found = [];
 for (const { look, options, name, angle } of numbers) {
   const state = shownBy({ extra: {} }, look, {});
@@ -31,4 +23,4 @@ const reached = [];
 for (const { challenge, options } of scores)
   reached.push(plain(options.guess ? scoreOfGuess(registry, challenge, options.guess)
     : scoreOfRun(registry, challenge.task, await blockFor(requestOf(registry, challenge, options)))));
-writeFileSync(answers, JSON.stringify({ entries: await loadAll(registry), sentences, numbers: found, scores: reached }));
+writeFileSync(answers, JSON.stringify({ numbers: found, scores: reached }));

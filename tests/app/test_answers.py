@@ -12,8 +12,8 @@ from latolato.core.errors import InputError
 
 @pytest.fixture
 def client():
-    app = make_app(Settings(port=80))
-    with TestClient(app, base_url="http://127.0.0.1") as client:
+    app, home = make_app(Settings()), "http://127.0.0.1"
+    with TestClient(app, base_url=home, raise_server_exceptions=False) as client:
         yield client
 
 
@@ -35,14 +35,15 @@ def test_a_fault_is_a_500_with_one_sentence_and_its_traceback_in_a_file(client, 
         path.unlink()
 
 
-def test_a_refusal_names_the_field_in_the_words_of_the_page(client):
+def test_a_refusal_names_the_field_and_its_rule(client):
     options = {"drive": "harmonic", "drive_amplitude": "x", "drive_frequency": "6"}
     answer = client.post("/api/run", json={"scenario": "fig02", "options": options})
     assert answer.status_code == 422
     message = answer.json()
     assert message["field"] == "drive_amplitude"
-    assert message["error"].startswith("“driving amplitude” must be given in m")
-    assert "_" not in message["error"]
+    assert message["error"].startswith("drive_amplitude must be given in m")
+    # From which the page makes a sentence in its own words.
+    assert message["parts"]["rule"]["name"] == "quantity_of_unit"
 
 
 @pytest.mark.parametrize(
@@ -55,15 +56,12 @@ def test_a_refusal_names_the_field_in_the_words_of_the_page(client):
         (RecursionError("deep"), "internal error (RecursionError)"),
     ],
 )
-def test_a_worker_distinguishes_refusals_from_faults(error, begin, monkeypatch, tmp_path):
+def test_a_job_distinguishes_refusals_from_faults(error, begin, tmp_path):
     def compute(*_):
         raise error
 
-    monkeypatch.setattr("latolato.app.analyse.answer.compute", compute)
-    answers = []
-    worker.run({"job": "analyse", "request": {}, "folder": str(tmp_path)}, answers.append)
-    (answer,) = answers
-    text = InputError(answer["error"], parameter=answer.get("parameter"))
-    assert str(text).startswith(begin)
+    with pytest.raises(InputError) as caught:
+        worker.run(compute, {}, tmp_path)
+    assert str(caught.value).startswith(begin)
     if "internal" in begin:
-        Path(answer["error"].split("'")[1]).unlink()
+        Path(str(caught.value).split("'")[1]).unlink()

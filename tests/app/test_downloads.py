@@ -142,19 +142,6 @@ def test_the_extra_that_animations_need_is_named(client, monkeypatch):
     assert 'pip install ".[video]"' in json.loads(refused["text"])["error"]
 
 
-def test_a_page_that_goes_ends_its_work(client):
-    jobs = client.app.state.jobs
-    before = set(jobs.busy) | set(jobs.idle)
-    with client.websocket_connect(SOCKET) as socket:
-        socket.send_json({"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1})
-        while json.loads(socket.receive()["text"])["state"] == "waiting":
-            pass
-        (worker,) = jobs.busy
-    assert worker.process.wait(timeout=20) != 0
-    assert worker not in jobs.idle
-    assert before - {worker} == set(jobs.busy) | set(jobs.idle)
-
-
 def test_the_menu_stores_what_is_on_show(page, tmp_path):
     page.goto("/?view=toy&scenario=fig04a_push&duration=2 s&length=90 cm")
     page.wait_for_selector("[data-runs]", timeout=240_000)

@@ -263,11 +263,14 @@ def test_the_legends_say_what_the_toy_does(page):
     page.wait_for_timeout(300)
     for figure, values in (
         (0, "motion.balls.map((ball) => motion.angle(ball) * 180 / Math.PI)"),
-        (1, "[toy.energies.kinetic, toy.energies.potential]"),
+        (
+            1,
+            """["kinetic_energy", "potential_energy"].map((name) =>
+            motion.balls.reduce((sum, ball) => sum + motion.at(name, 0, ball.row), 0))""",
+        ),
     ):
         wanted = page.evaluate(
-            "() => { const { toy, motion } = window.latolato.views.toy.hand; "
-            f"return {values}; }}"
+            f"() => {{ const {{ motion }} = window.latolato.views.toy.hand; return {values}; }}"
         )
         shown = page.locator("figure.panel").nth(figure).locator("output").all_inner_texts()[:2]
         assert [float(text) for text in shown] == pytest.approx(wanted, rel=1e-3, abs=1e-6)

@@ -12,11 +12,13 @@ from latolato.analysis import floquet
 from latolato.app import CURVES
 from latolato.app.blocks import unpack
 from latolato.app.forms import registry
-from latolato.app.map import curves, files, stored
+from latolato.app.map import files, stored
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.io.analysis_tables import read_curves
+from shipped_curves import SHIPPED as MAKERS
+from shipped_curves import write_shipped
 
 PATIENCE = 240_000
 FIG11 = "&map.scenario=fig11&map.size=16&map.duration=10&map.transient=5"
@@ -42,8 +44,8 @@ MADE = [pytest.param("fig05", marks=pytest.mark.slow), "fig09", "fig11"]
 
 @pytest.mark.parametrize("name", MADE)
 def test_shipped_curves_are_what_their_makers_give(name, tmp_path):
-    assert {path.stem for path in CURVES.glob("*")} == set(curves.SHIPPED)
-    for path in curves.write_shipped([name], tmp_path):
+    assert {path.stem for path in CURVES.glob("*")} == set(MAKERS)
+    for path in write_shipped([name], tmp_path):
         pairs = [
             read_curves((folder / path.name).read_text(encoding="utf-8"))
             for folder in (CURVES, tmp_path)
@@ -61,7 +63,7 @@ def test_shipped_curves_are_what_their_makers_give(name, tmp_path):
                     np.testing.assert_allclose(kept[name], variable, rtol=1e-5, atol=1e-7)
 
 
-@pytest.mark.parametrize("name", curves.SHIPPED)
+@pytest.mark.parametrize("name", MAKERS)
 def test_motions_on_shipped_curves_are_at_their_bifurcations(name):
     text = (CURVES / f"{name}.csv").read_text(encoding="utf-8")
     critical = {"fold": 1.0, "period_doubling": -1.0}
@@ -89,7 +91,7 @@ def test_motions_on_shipped_curves_are_at_their_bifurcations(name):
 def test_scenarios_of_maps_name_the_files_of_their_curves():
     named = {name: each["curves"] for name, each in registry()["scenarios"].items()}
     assert named["fig11"] == "curves/fig11.csv"
-    assert {f"curves/{name}.csv" for name in curves.SHIPPED} == {*named.values()} - {None}
+    assert {f"curves/{name}.csv" for name in MAKERS} == {*named.values()} - {None}
 
 
 @pytest.mark.parametrize(
@@ -257,7 +259,7 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
 def test_a_stored_map_tells_the_laws_that_curves_must_share(tmp_path):
     axes = {"drive_amplitude": [0.02, 0.03], "frequency_ratio": [2.0, 3.0]}
     grid = ll.load_scenario("fig11").sweep(duration=1.0, transient=0.0, axes=axes)
-    about, _ = unpack(stored.block_of(ll.save(grid, tmp_path / "map.nc"), {}))
+    about, _ = stored.compute({"path": ll.save(grid, tmp_path / "map.nc")}, tmp_path, print)
     fold, _ = read_curves(SHIPPED)
     assert {"system", "drive", "contact", "restitution", "drive_phase"} <= about["laws"].keys()
     assert about["laws"] == {name: fold.attrs[name] for name in about["laws"]}

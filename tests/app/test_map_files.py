@@ -64,10 +64,13 @@ def made(request, folder, known=None):
     """Return what is said of a file, and its bytes, without a process of its own."""
     job = files.prepare(known or {}, ASKED | request)
     folder.mkdir(exist_ok=True)
-    about, arrays = unpack(
-        job.finish(files.compute(job.request, folder, lambda share: None), folder)
-    )
+    about, arrays = files.compute(job.request, folder, lambda share: None)
     return about, arrays["file"].tobytes()
+
+
+def cells_of(path, **request):
+    """What is said of a stored map, and its cells."""
+    return stored.compute({"path": path, **request}, path.parent, print)
 
 
 def test_a_file_of_a_map_is_computed_in_a_job_with_progress(tmp_path):
@@ -90,7 +93,7 @@ def test_a_file_of_a_map_holds_its_numbers_and_opens_again(kind, tmp_path):
     assert grid.attrs["plan_hash"] == wanted().attrs["plan_hash"]
     assert about["type"] == files.KINDS[kind]
     # The application opens it as well, with the same cells.
-    _, arrays = unpack(stored.block_of(path, {"observable": "mean_energy"}))
+    _, arrays = cells_of(path, observable="mean_energy")
     np.testing.assert_array_equal(arrays["values"], wanted().mean_energy.values.ravel())
 
 
@@ -118,9 +121,9 @@ def test_a_picture_of_a_map_has_axes_colour_bar_curves_and_contours(tmp_path):
         ({"options": {**OWN["options"], "length": "3 s"}}, "length must be given in m"),
     ],
 )  # fmt: skip
-def test_a_bad_file_of_a_map_is_refused_with_one_line(changed, words):
+def test_a_bad_file_of_a_map_is_refused_with_one_line(changed, words, tmp_path):
     with pytest.raises(InputError, match=words) as caught:
-        files.prepare({}, {**ASKED, **OWN, **changed})
+        made({**OWN, **changed}, tmp_path)
     assert "\n" not in str(caught.value)
 
 
@@ -176,7 +179,7 @@ def test_the_streams_of_a_stored_map_are_those_of_its_points(tmp_path):
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, damping=0.1)
     run = {"duration": 1.0, "initial_offset": 0.2, "observables": ["final_angle"]}
     grid = ll.sweep(toy, axes=axes, noise=noise, store=tmp_path / "map.zarr", **run)
-    about, arrays = unpack(stored.block_of(tmp_path / "map.zarr", {"select": {"restitution": 1}}))
+    about, arrays = cells_of(tmp_path / "map.zarr", select={"restitution": 1})
     # Masses and radii are sorted; points count in the order of the sweep.
     streams, sets = about["stored"]["streams"], about["stored"]["sets"]
     assert sets["y"] == {"mass": [0.8, 0.9, 1.0]}
@@ -198,15 +201,14 @@ def test_points_of_a_continuation_do_not_run_alone(tmp_path):
         ll.Pendulum(length=1.0, mass=0.8, damping=0.05), axes=axes, duration=2.0,
         initial_angle=0.1, continuation="drive_frequency", store=path,
     )  # fmt: skip
-    about, _ = unpack(stored.block_of(path, {}))
+    about, _ = cells_of(path)
     assert about["stored"]["options"] is None
     assert "continues from its neighbour" in about["stored"]["reason"]
 
 
 def test_a_stored_map_takes_either_spacing(maps):
     folder, _ = maps
-    request = {"ylog": True, "xlog": False, "select": {}}
-    about, arrays = unpack(stored.block_of(folder / "map.zarr", request))
+    about, arrays = cells_of(folder / "map.zarr", ylog=True, xlog=False, select={})
     assert about["y"]["log"]
     assert not about["x"]["log"]
     np.testing.assert_allclose(arrays["y_edges"][1:3], [0.02**0.5, 0.08**0.5])

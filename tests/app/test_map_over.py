@@ -20,12 +20,12 @@ from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
 from latolato.app import CURVES
 from latolato.app.forms import registry
-from latolato.app.map.curves import SHIPPED
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, write_trials
 from latolato.figures import overlays
 from latolato.figures.overlays import AMPLITUDES, FREQUENCIES, Context
 from latolato.io.analysis_tables import read_curves
+from shipped_curves import SHIPPED
 from trial_texts import parse_trials
 
 

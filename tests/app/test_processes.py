@@ -1,70 +1,61 @@
-"""Processes for long work: kept or for one job, ended when nobody waits, none left behind."""
+"""Jobs in processes of their own: ended when nobody waits, and when they crash."""
 
+import os
 import signal
-import sys
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 import anyio
 import pytest
 
-from latolato.app.processes import EndedError, JobError, Workers
+from latolato.app.jobs import Job, _result
+from latolato.core.errors import InputError
 
-UNKNOWN = {"do": "dance", "path": "/clip", "name": "swing.mp4"}
+
+def dance(request, folder, progress):
+    """Say which process this is, and do what is asked for."""
+    (folder / "process").write_text(str(os.getpid()))
+    if request["do"] == "wait":
+        time.sleep(60.0)
+    if request["do"] == "crash":
+        os.kill(os.getpid(), signal.SIGKILL)
+    return {"process": os.getpid()}, {}
 
 
-def in_loop(function):
+def result_of(do, folder):
+    return _result(Job(dance, {"do": do}), folder)
+
+
+def in_loop(function, *given):
     """Run in a thread of its own: a browser of other tests may have its loop in this one."""
     with ThreadPoolExecutor(1) as pool:
-        pool.submit(anyio.run, function).result()
+        return pool.submit(anyio.run, partial(function, *given)).result()
 
 
-@pytest.mark.parametrize("once, kept", [(False, 1), (True, 0)])
-def test_a_process_is_kept_for_the_next_job_unless_it_is_for_one(tmp_path, once, kept):
+def test_a_process_is_kept_for_the_next_job_and_replaced_if_it_crashes(tmp_path):
     async def run():
-        workers = Workers(1, once)
-        numbers = []
-        for _ in range(2):
-            heard = []
-            with pytest.raises(JobError, match=r"internal error \(KeyError\)"):
-                await workers.do("clip", UNKNOWN, tmp_path, heard.append)
-            assert heard[0] == {"begun": len(numbers) == 1 and kept == 1}
-            assert len(workers.idle) == kept
-            numbers += [worker.process.pid for worker in workers.idle]
-        assert len(set(numbers)) == kept
-        assert not workers.busy
-        workers.close()
+        first, _ = await result_of("answer", tmp_path)
+        second, _ = await result_of("answer", tmp_path)
+        assert first == second
+        with pytest.raises(InputError, match="too little memory, or a file is broken"):
+            await result_of("crash", tmp_path)
+        third, _ = await result_of("answer", tmp_path)
+        assert third["process"] != first["process"]
 
     in_loop(run)
 
 
-def test_a_process_that_ends_in_its_job_tells_how(tmp_path):
-    async def run():
-        workers = Workers(1, once=True)
-
-        def hear(message):
-            (worker,) = workers.busy
-            worker.process.send_signal(signal.SIGTERM)
-
-        with pytest.raises(EndedError) as caught:
-            await workers.do("clip", UNKNOWN, tmp_path, hear)
-        assert caught.value.code == (1 if sys.platform == "win32" else -signal.SIGTERM)
-
-    in_loop(run)
-
-
-@pytest.mark.parametrize("delay", [0.0, 0.001, 0.01, 0.1])
+@pytest.mark.parametrize("delay", [0.0, 0.001, 0.1, 3.0])
 def test_whenever_a_job_is_cancelled_its_process_has_ended(tmp_path, delay):
     async def run():
-        workers = Workers(1)
         with anyio.move_on_after(delay) as scope:
-            await workers.do("clip", UNKNOWN, tmp_path, started.append)
+            await result_of("wait", tmp_path)
         assert scope.cancelled_caught
-        deadline = time.monotonic() + 5.0
-        while workers.busy and time.monotonic() < deadline:
-            await anyio.sleep(0.01)
-        assert not workers.busy
-        assert not workers.idle
 
-    started = []
+    begun = time.monotonic()
     in_loop(run)
+    assert time.monotonic() - begun < 30.0
+    if (tmp_path / "process").exists():
+        with pytest.raises(ProcessLookupError):
+            os.kill(int((tmp_path / "process").read_text()), 0)

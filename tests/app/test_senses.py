@@ -164,7 +164,7 @@ def test_charts_say_what_they_show(page):
     for quantity in ("angles", "energies", "powers"):
         page.wait_for_selector(f".chart[aria-label*='The {quantity} lie between']")
     names = [text_of(node, "name") for node in accessible(page)]
-    assert any("The angles lie between -175 and 175 degrees. Their range grows" in n for n in names)
+    assert any("The angles lie between -175 and 175 degrees." in name for name in names)
     assert any("The energies lie between 0 and" in name for name in names)
     assert any("The powers lie between" in name for name in names)
 

@@ -124,15 +124,8 @@ def check(seen: Seen, each: dict) -> None:
         if name == "tellFirstTurn":
             assert np.ptp(begun) <= 1  # back and forth over the lowest place
     elif name == "tellPeak":
-        ball, than = variant.split("_")
-        row = 1 if ball == "left" else 0
-        heights = seen.heights(-1.0, stop, row)
+        heights = seen.heights(-1.0, stop, 1 if variant == "left" else 0)
         assert float(values["angle"]) == pytest.approx(heights[-1], **ROUNDING)
-        if than == "higher":
-            assert heights[-1] > seen.heights(-1.0, start, row)[-1] - 0.51
-        elif than == "lower":
-            before = [*seen.heights(-1.0, start, row), *(180.0 for _ in seen.contacts["top"])]
-            assert heights[-1] < max(before) + 0.51
     elif name == "tellDip":
         assert not seen.heights(start, stop)
     else:
@@ -167,7 +160,7 @@ def test_every_sentence_is_true_of_the_run_of_python(told, name):
                 check(seen, each)
             except AssertionError as error:
                 raise AssertionError(f"{each['from']} s: {each['text']}") from error
-    curve, trend = told[name, 3.0]["curve"]
+    curve = told[name, 3.0]["curve"]
     if name == "chaos":
         return  # rounding decides where it goes
     angles = seen.turned
@@ -175,7 +168,6 @@ def test_every_sentence_is_true_of_the_run_of_python(told, name):
         angles = np.concatenate([angles, -angles])
     assert float(curve["values"]["high"]) == pytest.approx(angles.max(), **ROUNDING)
     assert float(curve["values"]["low"]) == pytest.approx(angles.min(), **ROUNDING)
-    assert trend["name"].startswith("trend_")
 
 
 def names_of(answer):
@@ -192,9 +184,9 @@ def test_what_matters_in_a_motion_is_said(told):
     assert said("fig12")[-1] == said("first_push")[-1] == "tellClack_steady"
     assert set(said("kapitza")) == {"tellUpright_ball"}
     assert said("zeno") == ["tellFirst_bottom", "tellRest_bottom"]
-    # Described swing by swing, a run that dies away must say so.
-    assert "tellPeak_both_lower" in said("zeno", 0.3)
-    assert {"tellPeak_right_higher", "tellPeak_left_lower"} <= set(said("ballpair_asymmetric", 0.3))
+    # Described swing by swing, a run says how high each one goes.
+    assert "tellPeak_both" in said("zeno", 0.3)
+    assert {"tellPeak_right", "tellPeak_left"} <= set(said("ballpair_asymmetric", 0.3))
 
 
 def test_only_chaos_has_no_pattern(told):

@@ -147,10 +147,10 @@ def site(tmp_path_factory):
     return folder
 
 
-def in_node(site, tmp_path, *, files=(), numbers=(), scores=()):
-    """What pages say of files, numbers and scores."""
+def in_node(site, tmp_path, *, numbers=(), scores=()):
+    """What pages say of numbers and scores."""
     program = Path(__file__).with_name("stories_in_node.mjs")
-    questions = {"files": files, "numbers": numbers, "scores": scores}
+    questions = {"numbers": numbers, "scores": scores}
     return answers_in_node(program, site, questions, tmp_path)
 
 
@@ -177,14 +177,13 @@ def test_a_site_lists_the_files_of_a_teacher(tmp_path):
     write_site(tmp_path)
     folder = tmp_path / "stories"
     (folder / "mine.toml").write_text(example())
-    (folder / "spoilt.toml").write_text(example().replace("minutes = 3", "minutes = 0"))
     write_site(tmp_path)
-    listed = {entry["name"]: entry for entry in in_node(tmp_path, tmp_path)["entries"]}
-    assert set(listed) == {*FILES, "mine", "spoilt"}
-    assert len(listed["mine"]["tables"]["steps"]) == 1
-    assert listed["spoilt"]["error"] == (
-        "The story “spoilt” cannot be told: minutes must be a number above zero."
-    )
+    listed = json.loads((folder / "contents.json").read_text())
+    assert set(listed) == {*FILES, "mine"}
+    assert len(listed["mine"]["steps"]) == 1
+    (folder / "spoilt.toml").write_text(example().replace("minutes = 3", "minutes = 0"))
+    with pytest.raises(InputError, match=r"spoilt\.toml: minutes must be a number above zero"):
+        write_site(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -236,18 +235,16 @@ BROKEN = [
 ]  # fmt: skip
 
 
-def broken(old, new):
-    text = example()
-    assert old in text
-    return tomllib.loads(text.replace(old, new, 1))
+def test_what_is_wrong_with_a_file_is_one_sentence():
+    for old, new, sentence in BROKEN:
+        assert old in example()
+        with pytest.raises(InputError) as refused:
+            stories.check(tomllib.loads(example().replace(old, new, 1)))
+        assert str(refused.value) == sentence
 
 
-def test_what_is_wrong_with_a_file_is_one_sentence(site, tmp_path):
-    said = in_node(site, tmp_path, files=[broken(old, new) for old, new, _ in BROKEN])
-    assert said["sentences"] == [sentence for *_, sentence in BROKEN]
-
-
-def test_the_example_of_the_documentation_is_a_story(site, tmp_path):
+def test_the_example_of_the_documentation_is_a_story():
+    stories.check(tomllib.loads(example()))
     step = tomllib.loads(example())["steps"][0]
     run = story_numbers.run_of(step["look"]["preset"], step["look"]["options"])
     long = story_numbers.quantity(step["number"]["quantity"], run)
@@ -256,12 +253,11 @@ def test_the_example_of_the_documentation_is_a_story(site, tmp_path):
     )
     short = story_numbers.quantity(step["number"]["quantity"], run)
     assert long / short == pytest.approx(2.0, rel=1e-3)  # as its text says
-    assert in_node(site, tmp_path, files=[tomllib.loads(example())])["sentences"] == [""]
 
 
 def test_the_documentation_names_every_entry_quantity_and_rule():
     text = HOW_TO.read_text(encoding="utf-8")
-    schema = story_numbers.SCHEMA
+    schema = stories.SCHEMA
     entries = {entry.rstrip("?") for table in schema["tables"].values() for entry in table}
     for name in [*entries, *schema["quantities"], *schema["rules"]]:
         assert f"`{name}`" in text, name
@@ -500,8 +496,17 @@ def value_on(page):
     return float(number.get_attribute("data-value"))
 
 
+# How far an element reaches out of the window, or of what it scrolls in [px].
+HIDDEN = """(elements) => elements.map((element) => {
+  const { top, bottom } = element.getBoundingClientRect();
+  const frame = document.querySelector(".story-body").getBoundingClientRect();
+  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
+})"""
+
+
 @pytest.mark.parametrize("name, language", IN_ONE)
-def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
+def test_a_story_is_told_to_its_end_by_keys_alone_on_a_phone(page, name, language):
+    page.set_viewport_size(SIZES[1])
     steps = FILES[name]["steps"]
     foreign = {text for text in texts_of(FILES[name]) if said(text, language) != text}
     assert bool(foreign) == (language != "en")
@@ -522,6 +527,13 @@ def test_a_story_is_told_to_its_end_by_keys_alone(page, name, language):
         if "toy.hand" in step["look"].get("extra", {}):  # whose stage leaves the focus where it is
             page.locator("[data-ready]").wait_for()
         assert page.evaluate("document.activeElement.textContent") == title
+        # All answers and the button that checks one are in view, in a longer language a swipe away.
+        assert panel.locator("[type=submit]").evaluate_all(HIDDEN) == pytest.approx([0], abs=1), i
+        answers = panel.locator(".check")
+        if language == "en":
+            assert answers.evaluate_all(HIDDEN) == pytest.approx([0] * answers.count(), abs=1), i
+        answers.last.scroll_into_view_if_needed()
+        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
         tab_to(page, radios.first)
         page.keyboard.press("Space")
         for _ in range(right):
@@ -705,38 +717,6 @@ def test_a_phone_sees_the_stage_above_the_panel(page, place):
     panel = page.locator("#story").bounding_box()
     assert stage["y"] >= 0
     assert stage["y"] + stage["height"] <= panel["y"] + 1
-
-
-# How far an element reaches out of the window, or of what it scrolls in [px].
-HIDDEN = """(elements) => elements.map((element) => {
-  const { top, bottom } = element.getBoundingClientRect();
-  const frame = document.querySelector(".story-body").getBoundingClientRect();
-  return Math.max(frame.top - top, bottom - frame.bottom, bottom - innerHeight, 0);
-})"""
-
-
-@pytest.mark.parametrize("name, language", IN_ONE)
-def test_a_phone_sees_all_answers_and_how_to_check_one(page, name, language):
-    page.set_viewport_size(SIZES[1])
-    page.goto(address(name) + f"&lang={language}")
-    steps = FILES[name]["steps"]
-    for step, tables in enumerate(steps, start=1):
-        page.get_by_role("heading", name=said(tables["title"], language), exact=True).wait_for()
-        check = page.locator(".story-step [type=submit]")
-        assert check.evaluate_all(HIDDEN) == pytest.approx([0], abs=1), step
-        answers = page.locator(".story-step .check")
-        hidden = answers.evaluate_all(HIDDEN)
-        if language == "en":
-            assert hidden == pytest.approx([0] * answers.count(), abs=1), step
-        # The others are a swipe away, and not below what stays in place.
-        answers.last.scroll_into_view_if_needed()
-        assert answers.evaluate_all(HIDDEN)[-1] == pytest.approx(0, abs=1)
-        answers.last.click()
-        check.click()
-        page.locator(".story-reply:not(:empty)").first.wait_for()
-        if step < len(steps):
-            page.get_by_role("button", name=said("storyAnyway", language)).click()
-            page.get_by_role("button", name=said("storyNext", language), exact=True).click()
 
 
 @pytest.mark.parametrize("height", [664, 740])

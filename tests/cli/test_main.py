@@ -485,7 +485,7 @@ def test_a_run_is_differentiated_by_each_parameter_that_is_named():
     [
         ("lenght", "sensitivity_to has no parameter 'lenght': did you mean 'length'?"),
         ("length", "sensitivity_to names length twice"),
-        ("string_restitution", "leave no room to change: string_restitution must be 0 with"),
+        ("string_restitution", "leaves no room to change: string_restitution must be 0 with"),
     ],
 )
 def test_a_parameter_without_derivatives_is_refused(name, message, capsys):

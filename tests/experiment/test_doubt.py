@@ -10,7 +10,6 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from broken_records import BROKEN, WHOLE, make_record
-from latolato.app.experiment.description import Description
 from latolato.app.experiment.fits import fits_of
 from latolato.cli.main import app
 from latolato.core.errors import InputError
@@ -75,8 +74,14 @@ def test_a_break_is_noticed_and_nothing_agrees(kind, seed):
     assert f"{fit['length'].value:.4g} m" not in fit.verdict
 
 
-def test_a_piece_cut_out_of_the_clock_is_named_with_its_time_and_length():
-    fit = ll.fit_decay(cut_out(3.7), **QUICK)
+@pytest.fixture(scope="module")
+def cut():
+    """The fit of a record whose clock misses 3.7 seconds."""
+    return ll.fit_decay(cut_out(3.7), **QUICK)
+
+
+def test_a_piece_cut_out_of_the_clock_is_named_with_its_time_and_length(cut):
+    fit = cut
     assert fit.dataset.attrs["break"] == "phase jump"
     assert fit.dataset.attrs["fails_at"] == pytest.approx(10.0, abs=0.3)  # a quarter of a swing
     assert "a piece of 3.7 s seems to be missing from the clock" in fit.verdict
@@ -126,7 +131,7 @@ def test_what_apparatus_does_to_a_swing_is_in_its_deviations(change):
 def test_noise_that_grows_is_no_break():
     times = np.arange(0.0, 40.0, 1.0 / 30.0)
     still = swing(times, size=0.0)
-    for seed in range(4):
+    for seed in range(2):
         noise = np.random.default_rng(seed).normal(scale=1e-3 * np.exp(times / 14.0))
         assert ll.fit_decay(table_of(times, still + noise), **QUICK).describes
 
@@ -259,9 +264,13 @@ def test_turning_points_alone_give_an_envelope_and_those_of_one_side_are_refused
         ll.fit_decay(table_of(times[::2], sizes[::2]), **QUICK)
 
 
-def test_an_offset_larger_than_the_swing_changes_nothing():
+def test_the_period_is_the_first_number_and_an_offset_larger_than_the_swing_changes_nothing():
     times = np.arange(0.0, 20.0, 1.0 / 30.0)
     plain = ll.fit_decay(table_of(times, swing(times)), **QUICK)
+    assert next(iter(plain.estimates)) == "period"
+    truth = math.tau * math.sqrt(0.363 / 9.8)
+    assert abs(plain["period"].value - truth) < 4.0 * plain["period"].sigma
+    assert "a period of 1.209" in plain.verdict
     moved = ll.fit_decay(table_of(times, swing(times) - 0.6), **QUICK)
     for name in ("length", "decay_rate", "decay_rate_envelope"):
         assert moved[name].value == pytest.approx(plain[name].value, rel=1e-4)
@@ -282,15 +291,6 @@ def test_a_clock_or_a_length_that_nobody_has_is_questioned():
     assert "the clock (frame rate, slow motion)" in late.verdict
 
 
-def test_the_period_is_the_first_number():
-    times = np.arange(0.0, 20.0, 1.0 / 30.0)
-    fit = ll.fit_decay(table_of(times, swing(times)), **QUICK)
-    assert next(iter(fit.estimates)) == "period"
-    truth = math.tau * math.sqrt(0.363 / 9.8)
-    assert abs(fit["period"].value - truth) < 4.0 * fit["period"].sigma
-    assert "a period of 1.209" in fit.verdict
-
-
 def test_files_json_and_pages_hold_the_doubt(tmp_path):
     table = cut_out(3.7)
     write_table(table, tmp_path / "cut.csv")
@@ -301,15 +301,14 @@ def test_files_json_and_pages_hold_the_doubt(tmp_path):
     found = json.loads(CliRunner().invoke(app, [*arguments, "--json"]).output)
     assert found["describes"] is False
     assert found["attributes"]["break"] == "phase jump"
-    card = fits_of(table, Description(), tmp_path, (640, 480))["decay"]
+    card = fits_of(table, {}, (640, 480))[0]["decay"]
     assert "values" not in card
     assert "does not describe this record" in card["error"]
 
 
-def test_a_fit_that_does_not_describe_its_record_is_compared_with_nothing():
-    fit = ll.fit_decay(cut_out(3.7), **QUICK)
+def test_a_fit_that_does_not_describe_its_record_is_compared_with_nothing(cut):
     with pytest.raises(InputError, match="does not describe this record"):
-        ll.compare(cut_out(0.0), fit)
+        ll.compare(cut_out(0.0), cut)
 
 
 def driven(times, clock=0.0, true=None, amplitude=0.03, noise=1e-4, rate=15.1):
@@ -321,7 +320,7 @@ def driven(times, clock=0.0, true=None, amplitude=0.03, noise=1e-4, rate=15.1):
 
 @pytest.mark.parametrize("clock", [0.0, 1e5, 1.7e9])
 def test_a_drive_is_the_same_on_any_clock(clock):
-    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    times = np.arange(0.0, 12.0, 1.0 / 60.0)
     fit = ll.fit_drive(driven(times, clock), profile=False)
     assert abs(fit["drive_frequency"].value - 15.1) < 4.0 * fit["drive_frequency"].sigma
     assert abs(fit["drive_phase"].value - 0.5) < 4.0 * fit["drive_phase"].sigma
@@ -338,9 +337,12 @@ def test_even_frames_leave_a_fast_drive_open_and_uneven_ones_decide():
     assert "a pivot at 52, 68 or 112 Hz would look the same" in even.verdict
     uneven = np.sort(times + np.random.default_rng(1).normal(scale=2e-3, size=len(times)))
     uneven -= uneven[0]
-    fit = ll.fit_drive(driven(uneven, rate=math.tau * 52.0, noise=2e-5), profile=False)
+    table = driven(uneven, rate=math.tau * 52.0, noise=2e-5)
+    fit = ll.fit_drive(table, profile=False)
     assert fit["drive_frequency"].value == pytest.approx(math.tau * 52.0, rel=1e-4)
     assert "look the same" not in fit.verdict
+    with pytest.raises(InputError, match="faster than half the rate of the samples has no stages"):
+        ll.fit_drive(table, stages=2, profile=False)
 
 
 @pytest.mark.parametrize("first, end", [(10.0, 20.0), (1.0, 29.3)])
@@ -352,7 +354,7 @@ def test_a_gap_loses_no_cycle_of_a_drive(first, end):
 
 
 def test_mistakes_and_repeats_in_the_track_of_a_drive_change_nothing():
-    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    times = np.arange(0.0, 15.0, 1.0 / 60.0)
     table = driven(times)
     random = np.random.default_rng(0)
     table["pivot_y"].values[random.uniform(size=len(times)) < 0.03] += 0.02
@@ -366,13 +368,13 @@ def test_mistakes_and_repeats_in_the_track_of_a_drive_change_nothing():
 
 
 def test_a_drive_that_the_frames_cannot_follow_is_not_at_rest():
-    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    times = np.arange(0.0, 15.0, 1.0 / 60.0)
     with pytest.raises(InputError, match="it moves too fast for them"):
         ll.fit_drive(driven(times, rate=math.tau * 29.0), profile=False)
 
 
 def test_a_drive_that_nobody_has_is_questioned():
-    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    times = np.arange(0.0, 15.0, 1.0 / 60.0)
     table = table_of(1e3 * times, 0.1 * np.cos(7.5 * times), pivot_y=20.0 * np.cos(15.1 * times))
     fit = ll.fit_drive(table, profile=False)
     assert "A drive amplitude of 20 m is unusual" in fit.verdict
@@ -382,18 +384,20 @@ def test_a_drive_that_nobody_has_is_questioned():
 
 
 def test_breaks_of_a_drive_are_noticed():
-    times = np.arange(0.0, 40.0, 1.0 / 60.0)
-    jumped = ll.fit_drive(driven(times, true=np.where(times > 20, times + 3.3, times)))
+    times = np.arange(0.0, 20.0, 1.0 / 60.0)
+    jump = driven(times, true=np.where(times > 10, times + 3.3, times))
+    jumped = ll.fit_drive(jump, profile=False)
     assert not jumped.describes
-    assert jumped.dataset.attrs["fails_at"] == pytest.approx(20.0, abs=0.5)
-    louder = ll.fit_drive(driven(times, amplitude=np.where(times > 25, 0.033, 0.03)))
+    assert jumped.dataset.attrs["fails_at"] == pytest.approx(10.0, abs=0.5)
+    louder = driven(times, amplitude=np.where(times > 12, 0.033, 0.03))
+    louder = ll.fit_drive(louder, profile=False)
     assert louder.dataset.attrs["break"] == "change of amplitude"
     with pytest.raises(InputError, match="does not describe the pivot's motion"):
-        trial_of(driven(times, true=np.where(times > 20, times + 3.3, times)), length=0.363)
+        trial_of(jump, length=0.363)
 
 
 def test_a_trial_whose_ball_hangs_at_a_turn_has_no_class():
-    times = np.arange(0.0, 30.0, 1.0 / 60.0)
+    times = np.arange(0.0, 15.0, 1.0 / 60.0)
     table = driven(times)
     table["angle_1"].values[:] += math.tau
     with pytest.raises(InputError, match="ball 1 moves about 360 degrees"):
@@ -433,7 +437,7 @@ def test_halves_of_a_record_with_other_restitutions_are_told_apart():
 def test_noise_alone_shows_a_change_less_often_than_one_in_fifty():
     times = np.arange(0.0, 20.0, 0.05)
     alarms = 0
-    for seed in range(200):
+    for seed in range(120):
         errors = np.random.default_rng(seed).normal(size=len(times))
         data = Data(times, errors, np.ones(len(times)), np.ones(len(times), dtype=np.int64))
         whole = solve(
@@ -442,7 +446,7 @@ def test_noise_alone_shows_a_change_less_often_than_one_in_fifty():
             data,
         )
         alarms += place_of_change(data, whole, 2.0) is not None
-    assert alarms <= 4
+    assert alarms <= 2
 
 
 def test_the_kind_of_a_break_is_the_one_with_the_fewest_changes():
@@ -481,13 +485,13 @@ def test_noise_is_seen_however_few_samples_a_swing_has(rate):
 
 def test_a_steady_drive_of_a_table_is_not_doubted():
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=12.0)
-    for seed in range(8):
-        assert ll.fit_drive(drive_table(drive, duration=15.0, seed=seed), profile=False).describes
+    for seed in range(5):
+        assert ll.fit_drive(drive_table(drive, duration=10.0, seed=seed), profile=False).describes
 
 
 @pytest.mark.parametrize("digits", [3, 5, 12])
 def test_a_drive_in_rounded_numbers_is_not_doubted(digits):
-    times = np.arange(0.0, 20.0, 1.0 / 60.0)
+    times = np.arange(0.0, 12.0, 1.0 / 60.0)
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.09)
     run = ll.simulate(PENDULUM, drive, initial_angle=0.1, times=times)
     height = np.round(run.pivot_height.values, digits)

@@ -14,7 +14,7 @@ from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.fits import posterior
 from latolato.experiment.fits.model import described
-from latolato.experiment.fits.posterior import Density, _Scale, fit_posterior
+from latolato.experiment.fits.posterior import Density, _Scales, fit_posterior
 from latolato.experiment.fits.result import Fit, load_fit
 from latolato.experiment.track_table import write_table
 from latolato.physics.pendulum import systems
@@ -53,9 +53,7 @@ def test_the_gradient_is_that_of_the_density(case):
     prior = {"length": 1e-3} if unknown is None or "length" in unknown else None
     if isinstance(system, ll.BallPair):
         prior = None
-    density = Density.about(
-        described(table, system, drive, unknown, prior=prior, fits_pivot=True, **ALL)
-    )
+    density = Density(described(table, system, drive, unknown, prior=prior, fits_pivot=True, **ALL))
     for seed in range(3):
         q = np.random.default_rng(seed).normal(size=len(density.names))
         value, gradient = density(q)
@@ -67,18 +65,21 @@ def test_the_gradient_is_that_of_the_density(case):
 
 
 def test_numbers_without_bounds_stand_for_all_in_a_range():
-    for low, high in ((0.0, math.inf), (-math.inf, 1.0), (0.0, 1.0), (-math.inf, math.inf)):
-        scale = _Scale(low, high)
-        for u in (-30.0, -2.0, 0.3, 4.0):
-            value, slope, log, slope_of_log = scale.inside(u)
-            above, below = (scale.inside(u + e) for e in (1e-5, -1e-5))
-            assert low <= value <= high
-            assert slope == pytest.approx((above[0] - below[0]) / 2e-5, rel=1e-4, abs=1e-9)
-            assert log == pytest.approx(math.log(abs(slope)), abs=1e-9)
-            assert slope_of_log == pytest.approx((above[2] - below[2]) / 2e-5, abs=1e-4)
-    at, width = _Scale(0.0, 1.0).outside(1.0, 0.1)
-    assert 0.9 < _Scale(0.0, 1.0).inside(at)[0] < 1.0
-    assert width <= 1.0
+    low, high = np.array([0.0, 0.0, -math.inf]), np.array([math.inf, 1.0, math.inf])
+    scales = _Scales(low, high)
+    for u in (-30.0, -2.0, 0.3, 4.0):
+        values, slopes, logs, slopes_of_logs = scales.inside(np.full(3, u))
+        above, below = (scales.inside(np.full(3, u + e)) for e in (1e-5, -1e-5))
+        assert ((low <= values) & (values <= high)).all()
+        assert slopes == pytest.approx((above[0] - below[0]) / 2e-5, rel=1e-4, abs=1e-9)
+        assert logs == pytest.approx(np.log(slopes), abs=1e-9)
+        assert slopes_of_logs == pytest.approx((above[2] - below[2]) / 2e-5, abs=1e-4)
+        again, widths = scales.outside(values, 1e-20 * slopes)
+        assert again == pytest.approx(np.full(3, u), rel=1e-6)
+        assert widths == pytest.approx([1e-20, 1e-20, 1e-20 * slopes[2]])
+    at, widths = scales.outside(np.array([0.0, 1.0, 0.0]), np.full(3, 0.1))
+    assert scales.inside(at)[0] == pytest.approx([0.05, 0.95, 0.0])
+    assert (widths <= 1.0).all()
 
 
 @pytest.fixture(scope="module")
@@ -222,6 +223,11 @@ def test_bad_input_is_refused_with_the_reason(swing):
         fit_posterior(swing, SWING, draws=0)
     with pytest.raises(InputError, match="chains"):  # one has nothing to agree with
         fit_posterior(swing, SWING, chains=1)
+    for seed, words in ((-1, "seed must lie in"), ("one", "seed must be a whole number")):
+        with pytest.raises(InputError, match=words):
+            fit_posterior(swing, SWING, seed=seed)
+    with pytest.raises(InputError, match="ball must be 1 in this table, got 0"):
+        fit_posterior(swing, SWING, ball=0)
 
 
 def test_a_posterior_is_stored_drawn_and_made_by_a_command(tmp_path, capsys):
@@ -247,11 +253,11 @@ class TestPrediction:
 
     DRIVE = ll.Harmonic(drive_amplitude=0.03, drive_frequency=14.0)
 
-    def posterior(self, restitution):
+    def posterior(self, restitution, system=TOY):
         """A posterior whose restitution has these draws, without sampling."""
         draws = np.asarray(restitution).reshape(2, -1)
         attributes = {"fit": "posterior", "verdict": "", "drive": "fixed_pivot"}
-        attributes["system_description"] = json.dumps(systems.described(TOY))
+        attributes["system_description"] = json.dumps(systems.described(system))
         parts = {f"restitution_{part}": 0.0 for part in ("sigma", "low", "high")}
         value = ((), 0.9, {"units": "1"})
         variables = {"restitution": value, **parts, "restitution_draw": (("chain", "draw"), draws)}
@@ -274,6 +280,19 @@ class TestPrediction:
         assert "P(strong) = " in got.attrs["verdict"]
         assert float(got["probability_strong_low"]) <= float(got["probability_strong"])
 
+    def test_the_class_of_two_balls_is_that_of_the_stronger_motion(self):
+        values = np.linspace(0.1, 0.99, 20)
+        options = {"duration": 20.0, "transient": 15.0, "initial_angle": (0.8, -0.8)}
+        got = ll.predict(self.posterior(values, PAIR), self.DRIVE, draws=20, **options)
+        each = ll.sweep(
+            PAIR, self.DRIVE, axes={"restitution": values}, observables=[ll.MotionClass()],
+            **options,
+        )["motion_class"].max("ball")  # fmt: skip
+        assert not got.dims
+        for number, name in enumerate(("none", "weak", "strong")):
+            assert float(got[f"probability_{name}"]) == pytest.approx(np.mean(each == number))
+        assert len(set(each.values)) > 1  # else the numbers could not tell a mistake
+
     def test_it_is_a_map_over_axes(self, tmp_path):
         axes = {"drive_amplitude": [0.0, 0.02, 0.03], "drive_frequency": [12.0, 14.0]}
         got = ll.predict(
@@ -293,6 +312,11 @@ class TestPrediction:
             ll.predict(good, self.DRIVE, axes={"restitution": [0.5]})
         with pytest.raises(InputError, match="must be what fit_posterior returns"):
             ll.predict(Fit(good.dataset.drop_vars("restitution_draw")), self.DRIVE)
+        for other in (None, "toy.nc", good.dataset):
+            with pytest.raises(InputError, match="must be what fit_posterior returns"):
+                ll.predict(other, self.DRIVE)
+        with pytest.raises(InputError, match="seed must lie in"):
+            ll.predict(good, self.DRIVE, seed=-1)
         doubted = Fit(good.dataset.assign_attrs(describes=0, doubt="The draws are too few."))
         with pytest.raises(InputError, match="no result: The draws are too few"):
             ll.predict(doubted, self.DRIVE)

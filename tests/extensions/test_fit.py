@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from latolato.app.blocks import unpack
-from latolato.app.experiment.description import Description, fit_kinds
+from latolato.app.experiment.description import apparatus_of, described, fit_kinds
 from latolato.app.experiment.fits import fit_of, fits_of
 from latolato.cli.main import app
 from latolato.experiment.fits import fits
@@ -102,21 +102,21 @@ def test_it_has_a_command_with_the_options_of_its_function(table, tmp_path):
     assert "It hangs at" in run("fit", "rest", path)
 
 
-def test_a_page_offers_it_and_lays_its_curve_over_the_film(table, tmp_path):
+def test_a_page_offers_it_and_lays_its_curve_over_the_film(table):
     assert "Where it hangs" in [kind["title"] for kind in fit_kinds()]
-    description = Description.from_json({"mass": "100 g"})
-    cards = fits_of(table, description, tmp_path, (320, 240))
+    description = described({"mass": "100 g"})
+    cards, _ = fits_of(table, description, (320, 240))
     assert cards["rest"]["verdict"].startswith("It hangs at")
-    card = fit_of("rest", table, description, tmp_path, (320, 240))
+    card, model = fit_of("rest", table, description, (320, 240))
     assert card["values"]["angle_offset"]["label"]
     assert "play" not in card  # it names no system
-    about, motion = unpack((tmp_path / "model.bin").read_bytes())
+    about, motion = unpack(model["model"].tobytes())
     assert about["kind"] == "rest"
     assert np.nanstd(motion["angle"]) == 0.0
 
 
 def test_it_is_handed_what_is_known_of_the_apparatus_and_no_more(table):
-    apparatus = Description.from_json({"mass": "100 g", "length": "40 cm"}).apparatus(table)
+    apparatus = apparatus_of(described({"mass": "100 g", "length": "40 cm"}), table)
     fit = fits["rest"].fit(table, apparatus)
     assert fit.dataset.attrs["mass"] == 0.1
     assert fit.system is None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import functools
 import itertools
 import warnings
 
@@ -193,14 +194,28 @@ REGULAR, CLOSE = 1e-11, 1e-12
 # rest. The times of bounces add up, of two balls to 1e-9 s and rad/s here, of a ball on a string to
 # 1.3e-8 m/s.
 CASCADE = 2e-8
-# Observables of regular motions agree to this share of their size; the time at rest sets it. An
-# exponent between rests is divided by what remains of a few seconds.
+# Observables of regular motions agree to this share of their size. The last bounces before a rest
+# are as slow as the rest speed, and rounding spoils their times, and with them the exponent between
+# rests, by one over it. Of 1,600 points of a map with `CRANK`, 972 of which rest, that exponent is
+# moved by 5e-9 1/s at most with the usual rest speed of 1e-6 rad/s, by 1.3e-10 1/s with 1e-5 rad/s
+# and by 2.2e-11 1/s with 1e-4 rad/s; where nothing rests, by 1.2e-11 1/s. So maps are compared with
+# the last of these speeds.
 OBSERVED = 1e-10
-BETWEEN_RESTS = 1e-9
+REST_SPEED = 1e-4
 
 
-def shifted(system):
-    return dataclasses.replace(system, gravity=system.gravity * (1.0 + SHIFT))
+def shifted(system, share=SHIFT):
+    return dataclasses.replace(system, gravity=system.gravity * (1.0 + share))
+
+
+def are_regular(plan_of, system, expected, native=run_fastest):
+    """Which points of a map move by little with gravity changed by `SHIFT` either way.
+
+    Where a motion is chaotic, one of both may happen to end nearby.
+    """
+    moved = [run_chunk(plan_of(shifted(system, s)), 0, native)[0] for s in (SHIFT, -SHIFT)]
+    sizes = [size for values in moved for size in apart(values, expected).values()]
+    return np.max(sizes, axis=0) < REGULAR
 
 
 def running_largest(rows):
@@ -432,12 +447,14 @@ def test_maps_agree_from_their_parameters_on(name):
         "observables": [*WITHOUT_PERIODS, "response_samples", "contact_word", *further],
         "initial_angle": angle,
         "tolerance": 1e-8,
+        "rest_speed": REST_SPEED,
         **HOW.get(name, {}),
     }
     drive = CRANK if name == "crank" else None
-    plan = make_plan(system, drive, **arguments)
+    plan_of = functools.partial(make_plan, drive=drive, **arguments)
+    plan = plan_of(system)
     expected, _ = run_chunk(plan, 0, run_fastest)
-    moved, _ = run_chunk(make_plan(shifted(system), drive, **arguments), 0, run_fastest)
+    regular = are_regular(plan_of, system, expected)
     node, scalar = in_node(map_case(plan, expected, variant) for variant in ("", "-scalar"))
     result = {name: node[name] for name in expected}
     for variable in expected:
@@ -445,13 +462,11 @@ def test_maps_agree_from_their_parameters_on(name):
     status = expected["status"]
     assert np.array_equal(result["status"], status)
     assert np.any(status == INVALID) == system.has_contacts
-    regular = np.max(list(apart(moved, expected).values()), axis=0) < REGULAR
     assert np.count_nonzero(regular & (status != INVALID)) >= 15
     sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
-        limit = BETWEEN_RESTS if variable == "exponent_between_rests" else OBSERVED
-        assert size[regular].max() <= limit, variable
+        assert size[regular].max() <= OBSERVED, variable
 
 
 def test_noise_has_the_random_numbers_of_numpy():
@@ -523,19 +538,17 @@ def test_points_of_a_map_agree(name, in_lanes):
         "observables": [*IN_LANES, *further],
         "initial_angle": angle,
         "tolerance": 1e-8,
+        "rest_speed": REST_SPEED,
     }
     native = run_fastest if in_lanes else run_scalar
-    plan = make_plan(system, None, **arguments)
-    (expected, _), (moved, _), (result, _) = (
-        run_chunk(plan, 0, native),
-        run_chunk(make_plan(shifted(system), None, **arguments), 0, native),
-        run_chunk(plan, 0, run_points_in_node(in_lanes)),
-    )
+    plan_of = functools.partial(make_plan, drive=None, **arguments)
+    plan = plan_of(system)
+    expected, _ = run_chunk(plan, 0, native)
+    result, _ = run_chunk(plan, 0, run_points_in_node(in_lanes))
     assert np.array_equal(result["status"], expected["status"])
-    regular = np.max(list(apart(moved, expected).values()), axis=0) < REGULAR
+    regular = are_regular(plan_of, system, expected, native)
     assert np.count_nonzero(regular) >= 50
     sizes = apart(result, expected)
     assert sizes["final_angle"][regular].max() <= CLOSE
     for variable, size in sizes.items():
-        limit = BETWEEN_RESTS if variable == "exponent_between_rests" else OBSERVED
-        assert size[regular].max() <= limit, variable
+        assert size[regular].max() <= OBSERVED, variable

@@ -1,9 +1,7 @@
 """The steps of CONTRIBUTING.md for a new figure, followed word for word."""
 
 import importlib
-import re
 import sys
-from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -15,18 +13,15 @@ from latolato.core.errors import InputError
 from latolato.figures import style
 from latolato.paper import catalogue
 from latolato.paper.claim import Verdict
-
-TEXT = (Path(__file__).parents[2] / "CONTRIBUTING.md").read_text(encoding="utf-8")
+from second_paper import CLAIM, CODE, write_second_paper
 
 
 @pytest.fixture
 def figure(tmp_path, monkeypatch):
     """The figure of CONTRIBUTING.md, in a folder beside the others, and its claim behind theirs."""
-    blocks = re.findall(r"```\w+\n(.*?)```", TEXT, re.DOTALL)
-    code, claim = (block for block in blocks if "Fig. 14" in block)
-    (tmp_path / "fig14.py").write_text(code, encoding="utf-8")
+    (tmp_path / "fig14.py").write_text(CODE, encoding="utf-8")
     (tmp_path / "claims.toml").write_text(
-        catalogue.claims_of(latolato.paper).read_text(encoding="utf-8") + claim, encoding="utf-8"
+        catalogue.claims_of(latolato.paper).read_text(encoding="utf-8") + CLAIM, encoding="utf-8"
     )
     monkeypatch.setattr(latolato.paper, "__path__", [*latolato.paper.__path__, str(tmp_path)])
     monkeypatch.setattr(catalogue, "claims_of", lambda paper: tmp_path / "claims.toml")
@@ -51,15 +46,7 @@ def test_a_figure_in_one_file_and_its_claim_are_discovered_computed_drawn_and_ju
 
 
 def test_a_second_paper_is_a_package_of_its_own(tmp_path, monkeypatch):
-    blocks = re.findall(r"```\w+\n(.*?)```", TEXT, re.DOTALL)
-    code, claim = (block for block in blocks if "Fig. 14" in block)
-    (about,) = (block for block in blocks if "CONVENTIONS" in block)
-    folder = tmp_path / "other_paper"
-    folder.mkdir()
-    for name, text in {
-        "__init__.py": "", "about.py": about, "fig14.py": code, "claims.toml": claim
-    }.items():  # fmt: skip
-        (folder / name).write_text(text, encoding="utf-8")
+    write_second_paper(tmp_path / "other_paper")
     monkeypatch.syspath_prepend(tmp_path)
     result = CliRunner().invoke(
         app, ["reproduce", "--quick", "--paper", "other_paper", "--output", str(tmp_path / "out")]

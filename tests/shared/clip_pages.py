@@ -44,7 +44,7 @@ class Page:
             return end_of(socket)
 
     def remove(self, clip):
-        answer = self.client.post("/api/experiment/remove", json={"desk": self.desk, "clip": clip})
+        answer = self.client.post("/api/experiment/remove", json={"clip": clip})
         assert answer.status_code == 200, answer.text
         return answer.json()["trials"]
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import replace
@@ -14,7 +13,7 @@ from numpy.typing import NDArray
 from latolato.analysis.linear import linearised, threshold
 from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import USUAL_SAMPLES, arrays_of, sampled, scenario_of
-from latolato.app.stories import FOLDER
+from latolato.app.stories import SCHEMA
 from latolato.core.errors import InputError
 from latolato.physics.drives import PeriodicDrive
 from latolato.physics.pendulum import Pendulum
@@ -23,8 +22,6 @@ from latolato.scenario.units import to_si
 
 Tables = Mapping[str, Any]
 
-# Which entries files of stories have.
-SCHEMA: dict[str, Any] = json.loads((FOLDER / "schema.json").read_text(encoding="utf-8"))
 # Samples from here on show how a motion has settled.
 _LATE = 0.75
 # Up to this angle a swing grows as the small-angle equation does [rad].

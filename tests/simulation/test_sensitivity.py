@@ -189,6 +189,24 @@ def test_rest_and_lift_off(restitution):
     assert worst(system, STRONG, ONE, ("length", "radius", "drive_amplitude")) < ENOUGH
 
 
+@pytest.mark.parametrize("name", ["damping", "quadratic_damping", "coulomb_damping"])
+@pytest.mark.parametrize("system", [PENDULUM, TOY])
+def test_a_drag_that_is_not_there(system, name):
+    """The drag would have the sign of the velocity, so turns count although nothing happens."""
+    system, width, times = replace(system, damping=0.0), 1e-4, TIMES[:7]
+    run = record(system, HARMONIC, times=times, tolerance=1e-13, sensitivity_to=name, **ONE)
+    # A drag is not negative: the forward difference of sixth order.
+    expected = np.zeros(len(times))
+    for k, weight in enumerate((-49 / 20, 6, -15 / 2, 20 / 3, -15 / 4, 6 / 5, -1 / 6)):
+        law = replace(system, **{name: k * width})
+        other = record(law, HARMONIC, times=times, tolerance=1e-13, **ONE)
+        expected += weight * np.asarray(other["angle"]) / width
+    assert run.attrs["sensitivity_status"] == "known"
+    # Differences at zero resolve less than those about a value.
+    off = abs(np.asarray(run["angle_sensitivity"])[0] - expected)
+    assert np.max(off) < 1e-6 * np.max(abs(expected))
+
+
 def test_two_balls():
     names = ("right_length", "left_radius", "right_mass", "left_damping", "restitution")
     assert worst(PAIR, HARMONIC, TWO, (*names, "initial_angle_left")) < ENOUGH
@@ -279,6 +297,21 @@ def test_a_bouncing_ball_is_elementary():
     assert late[0] == pytest.approx(first * slopes, rel=1e-5)
     assert late[1] == pytest.approx(-0.5 * first * sums / system.gravity, rel=1e-5)
     assert late[2] == pytest.approx(0.5 * first * sums / offset, rel=1e-5)
+
+
+@pytest.mark.parametrize("phase, same", [(0.3 + 320.0 * math.pi, 0.3), (1e-13, 0.0)])
+def test_a_phase_of_any_size_is_varied_by_a_part_of_a_turn(phase, same):
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.1, horizontal_amplitude=0.05, drive_frequency=6.0
+    )
+    one, other = (
+        record(
+            PENDULUM, replace(drive, vertical_phase=each), times=TIMES,
+            sensitivity_to="vertical_phase", **ONE,
+        )["angle_sensitivity"]
+        for each in (phase, same)
+    )  # fmt: skip
+    np.testing.assert_allclose(one, other, rtol=1e-9, atol=1e-9)
 
 
 def test_ratios_change_what_they_stand_for():
@@ -489,9 +522,10 @@ class TestRefusals:
         [
             ("lenght", TOY, {}, "length"),
             (["length", "length"], TOY, {}, "twice"),
-            ("mass", ll.Pendulum(length=1.0, mass=1.0), {}, "does not act"),
-            ("restitution", TOY, {"contact": None}, "does not act"),
-            ("string_restitution", TOY, {}, "string"),
+            ("mass", ll.Pendulum(length=1.0, mass=1.0), {}, "does not act on this run, as it does"),
+            ("restitution", TOY, {"contact": None}, "does not act on this run; leave it out"),
+            ("string_restitution", TOY, {}, "no room to change: .* a rod never goes slack; leave"),
+            ("initial_angular_velocity", replace(TOY, coulomb_damping=0.1), {}, "dry friction"),
             (["frequency_ratio", "drive_frequency"], TOY, {}, "both set drive_frequency"),
             (["amplitude_ratio", "drive_acceleration_ratio"], TOY, {}, "both set drive_amplitude"),
             ("length", TOY, {"contact": "clamp"}, "exact contact"),
@@ -527,7 +561,7 @@ class TestRefusals:
         ],
     )
     def test_a_value_with_a_formula_of_its_own_has_no_derivative(self, drive, name):
-        with pytest.raises(InputError, match="a formula of its own"):
+        with pytest.raises(InputError, match=f"{name}, whose value 0 .* a formula of its own"):
             ll.simulate(PENDULUM, drive, duration=1.0, sensitivity_to=name, **ONE)
 
     def test_the_sigma_of_a_table_is_no_parameter_of_a_motion(self):

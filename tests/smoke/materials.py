@@ -16,6 +16,7 @@ from latolato.experiment.track_table import track_table, write_table
 from latolato.experiment.trial_table import write_trials
 from latolato.paper import catalogue
 from latolato.paper.report import reproduce
+from second_paper import write_second_paper
 from track_tables import decay_table, motion_table
 
 BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.00274)
@@ -199,6 +200,7 @@ MAKERS: dict[str, Callable[[Path], None]] = {
     "toy.toml": toy_scenario,
     "run.nc": short_run,
     "report": report,
+    "other_paper": write_second_paper,
 }
 
 

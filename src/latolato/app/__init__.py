@@ -3,7 +3,7 @@
 from pathlib import Path
 
 STATIC = Path(__file__).parent / "static"
-# Bifurcation curves over the maps of scenarios: `latolato.app.map.curves` writes them.
+# Bifurcation curves over the maps of scenarios: `tests/shared/shipped_curves.py` writes them.
 CURVES = STATIC / "curves"
 
 

@@ -58,10 +58,9 @@ def pack(about: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
     return b"".join([len(header).to_bytes(_LENGTH, "little"), header, *parts])
 
 
-def pack_files(about: Mapping[str, Any], files: Mapping[str, Path]) -> bytes:
-    """Return a header and the bytes of those files that are there as one block."""
-    there = {name: path for name, path in files.items() if path.is_file()}
-    return pack(about, {name: np.fromfile(path, np.uint8) for name, path in there.items()})
+def content_of(path: Path) -> NDArray[np.uint8]:
+    """Return the bytes of a file as an array of a block."""
+    return np.fromfile(path, np.uint8)
 
 
 def _is_even(values: NDArray[np.float64]) -> bool:

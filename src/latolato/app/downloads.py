@@ -9,16 +9,12 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from starlette.requests import Request
 from starlette.responses import Response
-from starlette.routing import BaseRoute, Route, WebSocketRoute
-from starlette.websockets import WebSocket
 
-from latolato.app.answers import answered
-from latolato.app.blocks import pack_files
-from latolato.app.jobs import Job, serve_job
+from latolato.app.blocks import content_of
 from latolato.app.run_request import MOST_SAMPLES, RunRequest
 from latolato.app.runs import sampled, scenario_of
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
 
 if TYPE_CHECKING:
@@ -33,23 +29,6 @@ FPS = 30.0
 PICTURE_DPI = 200
 # Figures share matplotlib's settings.
 drawing_lock = threading.Lock()
-
-
-def routes() -> list[BaseRoute]:
-    """Return the routes of downloads."""
-    return [
-        Route("/download/run.{kind}", _download),
-        WebSocketRoute("/ws/animation", _animation),
-    ]
-
-
-async def _download(request: Request) -> Response:
-    wanted = request_of(dict(request.query_params))
-    return await answered(request, file_response, wanted, request.path_params["kind"])
-
-
-async def _animation(websocket: WebSocket) -> None:
-    await serve_job(websocket, websocket.app.state.jobs, prepare_animation)
 
 
 def request_of(query: Mapping[str, str]) -> RunRequest:
@@ -120,36 +99,19 @@ def _written(scenario: Scenario, kind: str, folder: Path) -> bytes:
     return path.read_bytes()
 
 
-def prepare_animation(body: Mapping[str, Any]) -> Job:
-    """Return the job that animates what a page asks for: ``{"scenario", "options", "speed"}``.
+def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]) -> Result:
+    """Animate what a page asks for: ``{"scenario", "options", "speed"}``.
 
     Raises
     ------
     InputError
         For bad input, and if the extra `video` is missing.
     """
-    from latolato.figures.animate import check_target
+    from latolato.figures.animate import animate, check_target
 
-    request = RunRequest.from_json(body)
-    speed = float(body["speed"])
-    check_target("run.mp4", speed, FPS)
-    scenario = scenario_of(request)
-
-    def finish(about: dict[str, Any], folder: Path) -> bytes:
-        about = {**about, "name": f"{file_name(scenario)}.mp4", "type": "video/mp4"}
-        return pack_files(about, {"file": folder / "run.mp4"})
-
-    run = {"scenario": request.scenario, "options": dict(request.options or {})}
-    return Job("animate", {**run, "speed": speed}, finish)
-
-
-def compute(
-    request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]
-) -> dict[str, Any]:
-    """Write ``run.mp4`` into a folder: what the job `animate` does in its process."""
-    from latolato.figures.animate import animate
-
+    speed, path = float(request["speed"]), folder / "run.mp4"
+    check_target(str(path), speed, FPS)
     scenario = scenario_of(RunRequest.from_json(request))
-    run = simulate_for_file(scenario)
-    animate(run, folder / "run.mp4", speed=request["speed"], fps=FPS, progress=progress)
-    return {}
+    animate(simulate_for_file(scenario), path, speed=speed, fps=FPS, progress=progress)
+    about = {"name": f"{file_name(scenario)}.mp4", "type": "video/mp4"}
+    return about, {"file": content_of(path)}

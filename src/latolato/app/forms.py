@@ -186,11 +186,6 @@ def _axis(parameter: Parameter) -> dict[str, Any]:
     }
 
 
-def label_of(name: str) -> str:
-    """The name of an option on pages."""
-    return law_options()[name].quantity.long_name
-
-
 def shown_option(option: Parameter) -> dict[str, Any]:
     """Return how an option is shown and what it may be."""
     low, high = option.allowed.low, option.allowed.high

@@ -17,11 +17,13 @@ from pathlib import Path
 from typing import Any
 
 import anyio
+from anyio import to_process, to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import in_thread, parameter_of, parts_of
-from latolato.app.processes import Workers
-from latolato.core.faults import line_of
+from latolato.app.answers import message_of
+from latolato.app.blocks import pack
+from latolato.app.worker import Compute, Result, run, stand_back, status_in
+from latolato.core.errors import InputError
 
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
@@ -40,24 +42,24 @@ class Job:
 
     Attributes
     ----------
-    name : str
-        One of `latolato.app.worker.JOBS`.
+    compute : callable
+        Makes the result in a process of its own, which imports it by its name.
     request : mapping
-        What the job gets, as JSON knows it.
+        What it gets.
     finish : callable
-        Makes the block for the page from the result of the job and the folder with its files.
+        Returns the header for the page from that of the result.
     place : callable
-        Returns a context manager that gives the folder for the files, by default one that goes
-        with the job; it may change the error that ends the job.
+        Returns a context manager that gives the folder for files, by default one that goes
+        with the job.
     """
 
-    name: str
+    compute: Compute
     request: Mapping[str, Any]
-    finish: Callable[[dict[str, Any], Path], bytes]
+    finish: Callable[[dict[str, Any]], dict[str, Any]] = dict
     place: Callable[[], AbstractContextManager[str | Path]] = _temporary_folder
 
 
-async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[Any], Job]) -> None:
+async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None:
     """Do for a page what its first frame asks for, until it is done or the page goes.
 
     Parameters
@@ -76,12 +78,10 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
             await websocket.close(_BAD_FRAME, "a request must be JSON")
             return
         try:
-            job = await in_thread(websocket, prepare, request)
-            block = await _done(websocket, workers, job)
+            job = await to_thread.run_sync(prepare, request)
+            block = await _done(websocket, job)
         except Exception as error:
-            # As it is: analyses have parameters of their own, for which their page has labels.
-            message = {"error": line_of(error), "field": parameter_of(error)}
-            await websocket.send_json({**message, "parts": parts_of(error)})
+            await websocket.send_json(message_of(error))
         else:
             if block is None:
                 return
@@ -89,25 +89,11 @@ async def serve_job(websocket: WebSocket, workers: Workers, prepare: Callable[[A
         await websocket.close()
 
 
-async def _done(websocket: WebSocket, workers: Workers, job: Job) -> bytes | None:
+async def _done(websocket: WebSocket, job: Job) -> bytes | None:
     """Return the block that a job ends with, None if the page goes before."""
-    status: dict[str, Any] = {"state": "waiting"}
     begun = time.monotonic()
     block: bytes | None = None
     error: Exception | None = None
-
-    def hear(message: dict[str, Any]) -> None:
-        nonlocal begun
-        if "progress" in message:
-            status.update(state=message["stage"], progress=message["progress"])
-        if "compiling" in message:
-            status["state"] = "compiling" if message["compiling"] else "working"
-        if "ready" in message:
-            status["state"] = "working"
-        if "begun" in message:
-            begun = time.monotonic()
-            status["state"] = "working" if message["begun"] else "starting"
-
     with job.place() as place:
         folder = Path(place)
         async with anyio.create_task_group() as group:
@@ -121,18 +107,31 @@ async def _done(websocket: WebSocket, workers: Workers, job: Job) -> bytes | Non
                 with suppress(*GONE):
                     while True:
                         elapsed = round(time.monotonic() - begun, 1)
-                        await websocket.send_json({**status, "elapsed": elapsed})
+                        await websocket.send_json({**status_in(folder), "elapsed": elapsed})
                         await anyio.sleep(_PAUSE)
                 group.cancel_scope.cancel()
 
             group.start_soon(listen)
             group.start_soon(report)
             try:
-                result = await workers.do(job.name, job.request, folder, hear)
-                block = await anyio.to_thread.run_sync(job.finish, result, folder)
+                about, arrays = await _result(job, folder)
+                block = await to_thread.run_sync(lambda: pack(job.finish(about), arrays))
             except Exception as caught:  # as it is, not in a group
                 error = caught
             group.cancel_scope.cancel()
         if error is not None:
             raise error
     return block
+
+
+async def _result(job: Job, folder: Path) -> Result:
+    """Return the result of a job, when there is a process for it; it ends if this is cancelled."""
+    try:
+        # One that is cancelled while it starts would be left behind.
+        with anyio.CancelScope(shield=True):
+            await to_process.run_sync(stand_back)
+        return await to_process.run_sync(run, job.compute, job.request, folder, cancellable=True)
+    except anyio.BrokenWorkerProcess:
+        raise InputError(
+            "the computation ended by itself: there was too little memory, or a file is broken"
+        ) from None

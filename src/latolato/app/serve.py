@@ -61,8 +61,8 @@ def serve(
 
         maps = named(stored)
     with _listener(port) as listener:
-        settings = Settings(port=listener.getsockname()[1], report=report, stored=maps)
-        address = f"http://{HOST}:{settings.port}/"
+        settings = Settings(report=report, stored=maps)
+        address = f"http://{HOST}:{listener.getsockname()[1]}/"
         text = f"latolato runs at {address}\n"
         if maps:
             address += f"?{urlencode({'view': 'map', 'map.stored': next(iter(maps))})}"

@@ -15,7 +15,7 @@ from pathlib import Path
 
 from latolato.app import STATIC, kernels_folder
 from latolato.app.forms import registry
-from latolato.app.stories import contents as contents_of_stories
+from latolato.app.stories import checked_contents, contents
 from latolato.core.errors import InputError
 
 # A browser keeps the pages at the first visit, the report and the documentation as they are read.
@@ -39,7 +39,7 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     Raises
     ------
     InputError
-        If `report` holds no report, or `docs` no pages, or a story file is not TOML.
+        If `report` holds no report, or `docs` no pages, or a story file is wrong.
     NotADirectoryError
         If `folder` is a file.
     FileNotFoundError
@@ -51,7 +51,7 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)
     # Those of a teacher, who has put files into the folder of an earlier site, are among them.
     (folder / "stories" / "contents.json").write_text(
-        _compact(contents_of_stories(folder / "stories")), encoding="utf-8"
+        _compact(checked_contents(folder / "stories")), encoding="utf-8"
     )
     for name, source in (("report", report), ("docs", docs)):
         if source is not None and source.resolve() != (folder / name).resolve():
@@ -75,7 +75,7 @@ def check_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
     kernels_folder()
     if folder.is_file():
         raise NotADirectoryError(ENOTDIR, "a site needs a folder, but this is a file", str(folder))
-    contents_of_stories(folder / "stories")
+    contents(folder / "stories")
 
 
 def _copy(source: str, target: str) -> None:

@@ -1,114 +1,107 @@
-"""A process for long work: reads jobs from standard input, writes how far they are.
-
-A job is one line of JSON, ``{"job": name, "request": {...}, "folder": path}``; its files go to the
-folder. Answers are lines of JSON as well: ``{"ready": true}`` once, then for each job any number of
-``{"stage": word, "progress": share}`` and ``{"compiling": true}``, and at last ``{"done": {...}}``
-or ``{"error": text, "parameter": name}``. The process ends when its input does, in the middle of a
-job too: whoever wanted the answer is gone.
-
-A process with the argument ``once`` is for one job, and imports nothing before that is there.
-"""
+"""What a job of `latolato.app.jobs` does in its process, and how far it is."""
 
 from __future__ import annotations
 
 import importlib
 import json
 import os
-import queue
 import signal
-import sys
 import tempfile
-import threading
+import time
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
-from typing import Any, TextIO
+from typing import Any
+
+from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of
 from latolato.io.progress import compiling
-from latolato.simulation.summary import plain
 
-# Where the functions ``(request, folder, progress) -> dict`` are. They call
-# ``progress(share)``, or ``progress(share, stage)`` if their work has stages.
-JOBS = {
-    "analyse": ("latolato.app.analyse.answer", "compute"),
-    "animate": ("latolato.app.downloads", "compute"),
-    "clip": ("latolato.app.experiment.jobs", "compute"),
-    "map_file": ("latolato.app.map.files", "compute"),
-    "open_map": ("latolato.app.map.stored", "compute"),
-}
-# Imported before a job is there, so that it begins at once.
+# Header and arrays of a block for the page: see `latolato.app.blocks`.
+Result = tuple[dict[str, Any], dict[str, NDArray[Any]]]
+# What a job does, ``(request, folder, progress)``. It calls ``progress(share)``, or
+# ``progress(share, stage)`` if its work has stages.
+Compute = Callable[[Mapping[str, Any], Path, Callable[..., None]], Result]
+# What most jobs import.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")
 _NICENESS = 5
+# Time between two reports [s].
+_PAUSE = 0.1
 
-Tell = Callable[[Mapping[str, Any]], None]
 
+def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
+    """Return the result of a job, with its warnings in the header.
 
-def run(job: Mapping[str, Any], tell: Tell) -> None:
-    """Do one job and tell its end."""
-
-    def progress(share: float, stage: str = "working") -> None:
-        tell({"stage": stage, "progress": share})
-
+    Raises
+    ------
+    InputError
+        For bad input, and for any other fault with the line of its report.
+    """
+    # What a process that is killed leaves behind goes with the folder of its job.
+    tempfile.tempdir = str(folder)
+    report = _Report(folder)
+    report("working")
     try:
-        # What a process that is killed leaves behind goes with the folder of its job.
-        tempfile.tempdir = job["folder"]
-        module, name = JOBS[job["job"]]
-        function = getattr(importlib.import_module(module), name)
         with (
             warnings.catch_warnings(record=True) as caught,
-            compiling(lambda: tell({"compiling": True}), lambda: tell({"compiling": False})),
+            compiling(lambda: report("compiling"), lambda: report("working")),
         ):
             warnings.simplefilter("always", RuntimeWarning)
-            result = function(job["request"], Path(job["folder"]), progress)
-    except Exception as error:
-        if isinstance(error, InputError):
-            text = error.worded("{parameter}")
-            tell({"error": text, "parameter": error.parameter, "parts": error.parts()})
-        else:
-            tell({"error": line_of(error)})
-    else:
-        texts = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
-        tell({"done": {**result, "warnings": list(dict.fromkeys(texts))}})
+            about, arrays = compute(request, folder, report.progress)
+    except InputError:
+        raise
+    except Exception as error:  # the traceback does not leave this process
+        raise InputError(line_of(error)) from None
+    texts = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
+    return {"warnings": list(dict.fromkeys(texts)), **about}, arrays
 
 
-def main() -> None:
-    """Do jobs until the input ends."""
-    # Ctrl-C in the terminal is meant for the server, whose end closes our input.
+def import_heavy() -> None:
+    """Import what most jobs need, so that the next one in this process begins at once."""
+    for name in _HEAVY:
+        importlib.import_module(name)
+
+
+def stand_back() -> None:
+    """Leave terminal, screen and most of the processor to the server."""
+    # Ctrl-C in the terminal is meant for the server, which then ends its jobs.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
-    if hasattr(os, "nice"):
-        os.nice(_NICENESS)  # live pages go first
+    if hasattr(os, "setpriority"):
+        os.setpriority(os.PRIO_PROCESS, 0, _NICENESS)
     os.environ["MPLBACKEND"] = "Agg"
-    answers = own_output()
-    lock = threading.Lock()
-
-    def tell(message: Mapping[str, Any]) -> None:
-        with lock:
-            print(json.dumps(plain(message)), file=answers, flush=True)
-
-    jobs: queue.Queue[str] = queue.Queue()
-
-    def read() -> None:
-        for line in sys.stdin:
-            jobs.put(line)
-        os._exit(0)
-
-    threading.Thread(target=read, daemon=True).start()
-    if "once" not in sys.argv[1:]:
-        for name in _HEAVY:
-            importlib.import_module(name)
-    tell({"ready": True})
-    while True:
-        run(json.loads(jobs.get()), tell)
+    # Nobody reads what decoders print.
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 2)
+    os.close(nowhere)
 
 
-def own_output() -> TextIO:
-    """Return the standard output; what others print from now on is no answer."""
-    answers = os.fdopen(os.dup(1), "w", encoding="utf-8")
-    os.dup2(2, 1)
-    return answers
+class _Report:
+    """Writes how far a job is to a file in its folder."""
+
+    def __init__(self, folder: Path) -> None:
+        self._path = folder / "status.json"
+        self._written = 0.0
+
+    def __call__(self, state: str, **more: float) -> None:
+        """Write a state; a reader finds this one or the one before."""
+        unfinished = self._path.with_suffix(".part")
+        unfinished.write_text(json.dumps({"state": state, **more}), encoding="utf-8")
+        unfinished.replace(self._path)
+
+    def progress(self, share: float, stage: str = "working") -> None:
+        """Write the share of a stage that is done, unless that was just done."""
+        now = time.monotonic()
+        if now - self._written > _PAUSE:
+            self._written = now
+            self(stage, progress=float(share))
 
 
-if __name__ == "__main__":
-    main()
+def status_in(folder: Path) -> dict[str, Any]:
+    """Return how far the job with this folder is."""
+    try:
+        status: dict[str, Any] = json.loads((folder / "status.json").read_bytes())
+    except OSError:  # its turn has not come
+        return {"state": "waiting"}
+    return status

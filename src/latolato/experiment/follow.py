@@ -15,12 +15,10 @@ from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
 from latolato.experiment.sidecar import OUTSIDE, Setup
 from latolato.experiment.task import READ, Progress, Task, is_inside, part_of
-from latolato.experiment.tracking.appearance import Appearance
-from latolato.experiment.tracking.dot import dot_radius
+from latolato.experiment.tracking.body import ROUND, SHARE
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.geometry import Geometry, fit_geometry
-from latolato.experiment.tracking.learn import ImageModel, learn_dot_model, learn_image_model
-from latolato.experiment.tracking.learn_template import ROUND, learn_template_model
+from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.positions import Positions, meetings
 from latolato.experiment.tracking.refine import Corrections, refine
 from latolato.experiment.tracking.route import Route, find_route
@@ -169,14 +167,14 @@ def _followed(
         geometry = Geometry.at_rest(pivot, len(sample.from_click))
     else:
         geometry = fit_geometry(sample, pivot, balls, route, size, setup.optics)
-    dot = dot_radius(sample, route)
 
     def learned(radius: float | None) -> ImageModel:
         if not is_disc:
             half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
-            return learn_template_model(video, sample, geometry, balls, half, route, tell)
-        if math.isfinite(dot):
-            return learn_dot_model(sample, geometry, balls, route, dot)
+            half = half or SHARE * geometry.arm(balls)
+            return learn_image_model(
+                video, sample, geometry, balls, radius, route, tell, half=math.ceil(half)
+            )
         rough = route.radius if is_unseen else None
         return learn_image_model(
             video, sample, geometry, balls, radius, route, tell, rough_radius=rough
@@ -188,7 +186,7 @@ def _followed(
         return scene, _believed(task, sample, seen, balls)
     scale = scale_of(setup, size, (geometry.arm(balls), 0.0))
     expected = radius / scale.metres if radius and scale else None
-    seen_radius = math.nan if route.is_traced or math.isfinite(dot) else route.detected_radius
+    seen_radius = math.nan if route.is_traced else route.detected_radius
     if is_disc and expected and abs(math.log(expected / seen_radius)) > math.log(_OTHER_SIZE):
         raise InputError(
             f"what moves there has a radius of about {seen_radius:.0f} pixels, the declared radius "
@@ -198,7 +196,7 @@ def _followed(
         )
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
-    if is_off and isinstance(scene.look, Appearance):
+    if is_off and is_disc:
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learned(None)
@@ -359,7 +357,7 @@ def _calibrated(
     stiffness = setup.gravity / setup.length if setup.length else None
     swing = measured.gravity.swing
     task.warnings += pace_warnings(measured.motion, swing, stiffness, setup.slow_motion)
-    if scene.look.is_spinning:
+    if scene.look.is_spinning and scene.look.body is None:
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
         measured.sigmas = np.hypot(measured.sigmas, unsure)

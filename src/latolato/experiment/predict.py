@@ -11,9 +11,11 @@ from latolato.analysis.stroboscopic import wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
+from latolato.experiment.fits.result import Fit
 from latolato.experiment.trial_table import CLASSES
 from latolato.observables.angles import MotionClass
 from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.noise import SEEDS
 from latolato.physics.pendulum import System
 from latolato.simulation.vary import parameters_of
 from latolato.sweeps import sweep
@@ -22,8 +24,6 @@ from latolato.sweeps.statuses import has_answer
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from latolato.experiment.fits.result import Fit
 
 # The axis of the draws.
 _DRAW = "draw"
@@ -46,7 +46,8 @@ def predict(
     """Return the probability that a trial is strong, weak or neither, given a posterior.
 
     Each draw of the posterior is a system as the samples allow it. All of them are run under the
-    drive, and the share that ends in each class of the paper is its probability.
+    drive, and the share that ends in each class of the paper is its probability. The class of two
+    balls is that of the stronger motion.
 
     Parameters
     ----------
@@ -104,7 +105,7 @@ def predict(
         motion = FixedPivot()
     axes = dict(axes or {})
     varied = _varied(known, body, motion if drive is None else None, axes)
-    random = np.random.default_rng(seed)
+    random = np.random.default_rng(checked_count("seed", seed, SEEDS))
     flat = known.stack({"one": ("chain", "draw")})
     chosen = random.choice(flat.sizes["one"], size=min(count, flat.sizes["one"]), replace=False)
     # A chain repeats a draw where it did not move on: one run stands for all of these.
@@ -115,17 +116,20 @@ def predict(
         body, motion, axes={**axes, _DRAW: tied}, duration=duration, transient=transient,
         observables=[MotionClass()], **options,
     )  # fmt: skip
-    dimension = str(grid["motion_class"].dims[-1])
-    ended = has_answer(grid[STATUS]) & np.isfinite(grid["motion_class"].values)
+    dimension = str(grid[STATUS].dims[-1])
+    found = grid["motion_class"]
+    if body.angles == 2:
+        found = found.max("ball", skipna=False)
+    ended = has_answer(grid[STATUS]) & np.isfinite(found.values)
     lost = float(np.max(~ended @ times)) / len(chosen)
     if lost > _MOST_LOST:
         raise InputError(
             f"{100.0 * lost:.2g} % of the runs did not end, which may be those of one class",
             way_out="raise contact_limit, or shorten the trial",
         )
-    classes = np.where(ended, grid["motion_class"].values, np.nan)
+    classes = np.where(ended, found.values, np.nan)
     runs = ended @ times
-    kept = grid.drop_dims(dimension)
+    kept = grid.drop_dims([dimension, "ball"], errors="ignore")
     variables = {}
     for number, name in reversed(list(enumerate(CLASSES))):
         share, low, high = wilson_interval((classes == number) @ times, runs)
@@ -146,9 +150,9 @@ def predict(
     return result
 
 
-def _draws_of(posterior: Fit) -> xr.Dataset:
+def _draws_of(posterior: Any) -> xr.Dataset:
     """Return the draws of a posterior that is a result."""
-    draws = posterior.draws
+    draws = posterior.draws if isinstance(posterior, Fit) else None
     if draws is None:
         raise InputError("must be what fit_posterior returns", parameter="posterior")
     if not posterior.describes:

@@ -21,6 +21,7 @@ from latolato.core.quantities import Range
 from latolato.core.registry import suggest
 from latolato.numerics import records
 from latolato.numerics.engine import doubts
+from latolato.numerics.engine.taut_step import STILL
 from latolato.numerics.integrate import Directions, Floats, Start, prepared_numbers
 from latolato.numerics.run_record import CHANGE, MOST_PARAMETERS
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough
@@ -96,6 +97,19 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
             parameter="sensitivity_to",
             way_out="leave it out",
         )
+    for name in wanted:
+        ball = int(name.endswith("_left"))
+        if (
+            name.startswith("initial_angular_velocity")
+            and abs(plan.start.velocities[ball]) < STILL
+            and plan.system.balls[ball].coulomb_damping > 0.0
+        ):
+            raise InputError(
+                f"names {name}, and a ball at rest that is pushed either way is slowed by dry "
+                "friction: the derivatives on both sides differ",
+                parameter="sensitivity_to",
+                way_out="let the ball move at the start, or leave dry friction out",
+            )
     _check_run(plan)
     return tuple(known[name] for name in wanted)
 
@@ -169,7 +183,10 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
             slopes.append({**unchanged, "start": unit})
             continue
         value = _value_of(plan, parameter)
-        size = max(map(abs, parameter.suggested)) if parameter.suggested else 1.0
+        if parameter.unit == "rad":  # a phase acts by its sine, however large it is
+            size = 1.0
+        else:
+            size = abs(value) or max(map(abs, parameter.suggested or (1.0,)))
 
         def numbers(values: Sequence[float], parameter: Parameter = parameter) -> Numbers:
             varied = [_varied(plan, parameter, value, held) for value in values]
@@ -180,12 +197,13 @@ def directions_of(plan: RunPlan, parameters: Sequence[Parameter]) -> Directions:
                 result |= segments_of([drive for _, drive, _ in varied], plan.end)
             return result
 
-        own = unchanged | slopes_of(numbers, value, abs(value) or size, parameter.allowed)
+        own = unchanged | slopes_of(parameter.name, numbers, value, size, parameter.allowed)
         if not _acts(plan, own):
+            only = ", as it does through drag or on another ball" * ("mass" in parameter.path)
             raise InputError(
-                f"names {parameter.name}, which does not act on this run",
+                f"names {parameter.name}, which does not act on this run{only}",
                 parameter="sensitivity_to",
-                way_out="leave it out; a mass acts only through drag or on another ball",
+                way_out="leave it out",
             )
         slopes.append(own)
     return joined(slopes)
@@ -220,6 +238,7 @@ def _acts(plan: RunPlan, slopes: Numbers) -> bool:
 
 
 def slopes_of(
+    parameter: str,
     numbers: Callable[[Sequence[float]], Numbers],
     value: float,
     size: float,
@@ -231,6 +250,8 @@ def slopes_of(
 
     Parameters
     ----------
+    parameter : str
+        Its name.
     numbers : callable
         Returns those of `numbers_of` or `segments_of` for several values of the parameter, the
         first of which is `value`.
@@ -266,10 +287,11 @@ def slopes_of(
                 changes = [np.where(other != here, other - here, 0.0) for other in there]
             _floats(slopes[name])[:] = shares @ np.array(changes)
         return slopes
-    why = f": {refusal}" if refusal else ""
+    why = f": {InputError(refusal.rule, parameter=refusal.parameter)}" if refusal else ""
     raise InputError(
-        f"names a parameter that its limits leave no room to change{why}",
+        f"names {parameter}, whose value {value:g} leaves no room to change{why}",
         parameter="sensitivity_to",
+        way_out="leave it out, or give another value",
     )
 
 
@@ -381,11 +403,7 @@ def segments_of(drives: Sequence[Any], end: float) -> Numbers:
         later = records.segment_records(drive, _BEYOND * end)[: len(segments)]
         same_forms = np.array_equal(later["form"], segments["form"])
         if not same_forms or drive.moves_across != first.moves_across:
-            raise InputError(
-                "names a parameter at whose value the drive moves by a formula of its own",
-                parameter="sensitivity_to",
-                way_out="change its value a little",
-            )
+            raise InputError("at this value the drive moves by a formula of its own")
         result.append(later)
     return {"segments": np.array(result)}
 

@@ -2,7 +2,6 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
-import { newest } from "../../../src/latolato/app/static/js/page/api.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/player/traces.js";
 import { Form } from "../../../src/latolato/app/static/js/page/form.js";
 import { heldOptions, withOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
@@ -47,23 +46,6 @@ test("the band of a dense, steady swing has straight edges", () => {
     assert.ok(high[i] > 0.99, `column ${i}: ${high[i]}`);
     assert.ok(low[i] < -0.99, `column ${i}: ${low[i]}`);
   }
-});
-
-test("of many requests only the first and the newest are made", async () => {
-  /** @type {number[]} */
-  const done = [];
-  /** @type {(() => void)[]} */
-  const release = [];
-  const run = newest(async (/** @type {number} */ value) => {
-    await new Promise((resolve) => release.push(() => resolve(undefined)));
-    done.push(value);
-  });
-  [1, 2, 3, 4].forEach(run);
-  release[0]();
-  await new Promise((resolve) => setTimeout(resolve, 5));
-  release[1]();
-  await new Promise((resolve) => setTimeout(resolve, 5));
-  assert.deepEqual(done, [1, 4]);
 });
 
 const ALTERNATIVES = [["drive_frequency", "frequency_ratio"], ["initial_angle", "initial_offset"],

@@ -3,20 +3,22 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.forms import shown_option
 from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter
-from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity
+from latolato.core.quantities import ANY, NON_NEGATIVE, POSITIVE, Quantity, Range
 from latolato.core.registry import checked_choice, checked_count, suggest
 from latolato.core.rules import broken_rule
-from latolato.experiment.parameters import CAMERA, SHAPES, VIDEO_PARAMETERS
+from latolato.experiment.parameters import CAMERA, VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Correction,
     Pivot,
+    Place,
     checked_correction,
     checked_place,
     checked_region,
@@ -34,6 +36,8 @@ if TYPE_CHECKING:
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
 # Sizes that a page asks for beside these.
 SIZES = ("stick_length", "patch")
+# Nothing that hangs is longer [m].
+LONGEST = 1000.0
 # What only pages ask for.
 LENGTH_SIGMA = Parameter(
     name="length_sigma",
@@ -67,8 +71,16 @@ TABLE_ENDINGS = (
 _ROW_UNITS = [{"name": "us", "size": 1e-6}, {"name": "ms", "size": 1e-3}, {"name": "s", "size": 1}]
 
 
-def _frame(value: Any) -> int:
-    return checked_count("frame", value, NON_NEGATIVE)
+def _pivot(value: Any) -> Pivot:
+    """Return a pivot's place [pixels], or that it is outside of the picture."""
+    return OUTSIDE if value == OUTSIDE else checked_place("pivot", value)
+
+
+def _balls(value: Any) -> tuple[Place, ...]:
+    """Return the places of one ball or two [pixels]."""
+    if not isinstance(value, Sequence) or isinstance(value, str) or len(value) > 2:
+        raise InputError("must be one place or two", parameter="balls")
+    return tuple(checked_place("balls", ball) for ball in value)
 
 
 def _corrections(value: Any) -> tuple[Correction, ...]:
@@ -97,14 +109,19 @@ def _choice(name: str, *choices: str) -> Callable[[Any], str]:
     return lambda value: checked_choice(name, value, choices)
 
 
-# What else a page says, each with its check. Frames count from the first of the video.
-TOOLS: dict[str, Callable[[Any], Any]] = {
+# What a page gives besides quantities, each with its check. Frames count from the first of the
+# video.
+_CHECKS: dict[str, Callable[[Any], Any]] = {
+    "pivot": _pivot,
+    "balls": _balls,
+    "is_proposed": bool,
     "stick": checked_stick,
     "region": checked_region,
     "shape": VIDEO_PARAMETERS["shape"].checked,
-    "click_frame": _frame,
-    "first_frame": _frame,
-    "last_frame": _frame,
+    **{
+        name: partial(checked_count, name, allowed=NON_NEGATIVE)
+        for name in ("click_frame", "first_frame", "last_frame")
+    },
     "corrections": _corrections,
     "columns": _columns,
     "section": _text,
@@ -112,102 +129,49 @@ TOOLS: dict[str, Callable[[Any], Any]] = {
     "angle_from": _choice("angle_from", "down", "right"),
     "y_axis": _choice("y_axis", "up", "down"),
 }
+# The description of a video or a table in SI units and pixels; what is not known is left out. The
+# pivot of a table, `pivot_x` and `pivot_y`, is in the unit that the file has for places.
+Description = dict[str, Any]
 
 
-@dataclass(frozen=True, kw_only=True)
-class Description:
-    """The description of a video or a table on a page, in SI units and pixels; None is unknown.
+def described(value: Any) -> Description:
+    """Return the description that a page sends.
 
-    The pivot of a table, `pivot_x` and `pivot_y`, is in the unit that the file has for places.
+    Raises
+    ------
+    InputError
+        For unknown names, wrong types, units and values.
     """
-
-    pivot: Pivot | None = None
-    balls: tuple[tuple[float, float], ...] = ()
-    is_proposed: bool = False
-    length: float | None = None
-    length_sigma: float | None = None
-    radius: float | None = None
-    mass: float | None = None
-    damping: float | None = None
-    restitution: float | None = None
-    gravity: float | None = None
-    slow_motion: float | None = None
-    row_time: float = 0.0
-    lens_k1: float = 0.0
-    lens_k2: float = 0.0
-    stick: tuple[tuple[float, float], tuple[float, float]] | None = None
-    stick_length: float | None = None
-    region: tuple[float, float, float, float] | None = None
-    shape: str = SHAPES[0]
-    patch: float | None = None
-    click_frame: int = 0
-    first_frame: int | None = None
-    last_frame: int | None = None
-    corrections: tuple[Correction, ...] = ()
-    columns: Mapping[str, str] | None = None
-    section: str | None = None
-    decimal: str | None = None
-    angle_from: str = "down"
-    y_axis: str = "up"
-    frame_rate: float | None = None
-    pivot_x: float | None = None
-    pivot_y: float | None = None
-
-    @classmethod
-    def from_json(cls, value: Any) -> Description:
-        """Return the description that a page sends.
-
-        Raises
-        ------
-        InputError
-            For unknown names, wrong types, units and values.
-        """
-        if not isinstance(value, Mapping):
-            raise InputError("a description must be an object", value=value)
-        known = ("pivot", "balls", "is_proposed", *TOOLS, *quantities())
-        for name in value:
-            if name not in known:
-                raise InputError(f"unknown name '{name}': {suggest(str(name), list(known))}")
-        balls = value.get("balls") or ()
-        if not isinstance(balls, Sequence) or isinstance(balls, str) or len(balls) > 2:
-            raise InputError("must be one place or two", parameter="balls")
-        numbers: dict[str, Any] = {
-            name: _number(parameter, value[name])
-            for name, parameter in quantities().items()
-            if value.get(name) not in (None, "")
-        }
-        return cls(
-            pivot=_pivot(value.get("pivot")),
-            balls=tuple(checked_place("balls", ball) for ball in balls),
-            is_proposed=bool(value.get("is_proposed")),
-            **{name: TOOLS[name](value[name]) for name in TOOLS if value.get(name) is not None},
-            **numbers,
-        )
-
-    def apparatus(self, table: xr.Dataset) -> Apparatus:
-        """The known parameters of the apparatus; a length that is not given is the table's."""
-        from latolato.experiment.fits.apparatus import Apparatus
-
-        names = (*SHARED, "length_sigma")
-        known = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
-        of_table = {n: table.attrs[n] for n in ("length", "length_sigma") if n in table.attrs}
-        return Apparatus(**{**of_table, **known})
+    if not isinstance(value, Mapping):
+        raise InputError("a description must be an object", value=value)
+    checks = dict(_CHECKS)
+    checks |= {name: partial(_number, one) for name, one in quantities().items()}
+    for name in value:
+        if name not in checks:
+            raise InputError(f"unknown name '{name}': {suggest(str(name), list(checks))}")
+    return {name: checks[name](given) for name, given in value.items() if given not in (None, "")}
 
 
-def _pivot(value: Any) -> Pivot | None:
-    """Return a pivot's place [pixels], that it is outside of the picture, or None if unknown."""
-    return value if value in (None, OUTSIDE) else checked_place("pivot", value)
+def apparatus_of(description: Description, table: xr.Dataset) -> Apparatus:
+    """The known parameters of the apparatus; a length that is not given is the table's."""
+    from latolato.experiment.fits.apparatus import Apparatus
+
+    own = {n: table.attrs[n] for n in ("length", "length_sigma") if n in table.attrs}
+    given = {n: description[n] for n in (*SHARED, "length_sigma") if n in description}
+    return Apparatus(**{**own, **given})
 
 
 def quantities() -> dict[str, Parameter]:
     """The quantities that a page asks for, with what they may be."""
     options = law_options()
     shared = {name: replace(options[name], suggested=None) for name in SHARED}
-    # Laws know balls without a size, pictures do not.
-    shared["radius"] = replace(shared["radius"], allowed=POSITIVE)
     camera = {parameter.name: parameter for parameter in CAMERA}
     sizes = {name: VIDEO_PARAMETERS[name] for name in SIZES}
-    return {**shared, **camera, **sizes, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+    known = {**shared, **camera, **sizes, **TABLE_PARAMETERS, "length_sigma": LENGTH_SIGMA}
+    # Laws know balls without a size, pictures do not.
+    lengths = {name: one for name, one in known.items() if one.unit == "m"}
+    allowed = Range(0.0, LONGEST, open_low=True)
+    return known | {name: replace(one, allowed=allowed) for name, one in lengths.items()}
 
 
 def _number(parameter: Parameter, value: Any) -> float:

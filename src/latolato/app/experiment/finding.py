@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.experiment.sentences import degrees, percent, plus_minus
 from latolato.core.rules import Rule
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
@@ -102,7 +101,7 @@ def finding_of(
         sentences += _collisions(table, restitution)
     seen = sum(flag_shares(table).get(flag, 0.0) for flag in MEASURED)
     if seen < _SEEN:
-        sentences.append(_sentence("hardly_seen", share=percent(seen)))
+        sentences.append(_sentence("hardly_seen", share=f"{100.0 * seen:.0f} %"))
     return sentences
 
 
@@ -245,7 +244,8 @@ def _driven(
         later = _text(drive["drive_frequency_final"], 1.0 / math.tau)
         rates = _sentence("two_rates", **rates["values"], later=later)
     if trial is None:
-        angle = f"≈ {degrees(float(np.nanmax(np.abs(table['angle_1']))))}"
+        largest = math.degrees(np.nanmax(np.abs(table["angle_1"])))
+        angle = f"≈ {largest:.0f}°"
     else:
         size, sigma = (math.degrees(trial[n]) for n in ("largest_angle", "largest_angle_sigma"))
         angle = f"{plus_minus(size, sigma)}°"
@@ -309,3 +309,17 @@ def _value(value: Mapping[str, Any], factor: float = 1.0) -> tuple[float, float]
 def _text(value: Mapping[str, Any], factor: float = 1.0) -> str:
     """Return a number of a fit and its standard deviation as a text, times a factor."""
     return plus_minus(*_value(value, factor))
+
+
+def plus_minus(value: float, error: float) -> str:
+    """Return a number and its uncertainty in one digit, or two from 10 to 19.
+
+    Examples
+    --------
+    >>> plus_minus(0.38381, 0.0383), plus_minus(1.5, 0.0)
+    ('0.38 ± 0.04', '1.5')
+    """
+    if not (error > 0.0 and math.isfinite(error)):
+        return f"{value:.3g}"
+    places = max(-math.floor(math.log10(error)) + (1 if f"{error:.0e}"[0] == "1" else 0), 0)
+    return f"{value:.{places}f} ± {error:.{places}f}".replace("-", "\N{MINUS SIGN}")

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import warnings
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.app.blocks import pack
+from latolato.app.experiment.description import Description, apparatus_of
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError
 from latolato.experiment.fits import fits
@@ -23,10 +23,10 @@ from latolato.scenario.scenario import Scenario
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.app.experiment.description import Description
-
 # Instants and angles of each ball that a page draws.
 Motion = list[tuple[Any, Any]]
+# The block of a model's motion, by its name; nothing without one.
+Model = dict[str, Any]
 # Gaps between samples that curves are drawn across [s], or so many usual steps.
 _GAP, _STEPS = 0.15, 2.0
 # Draws of a comparison: its spread is not shown.
@@ -34,34 +34,33 @@ _DRAWS = 1
 
 
 def fits_of(
-    table: xr.Dataset, description: Description, folder: Path, size: tuple[int, int] | None
-) -> dict[str, dict[str, Any]]:
+    table: xr.Dataset, description: Description, size: tuple[int, int] | None
+) -> tuple[dict[str, dict[str, Any]], Model]:
     """Return the fits that need no click: each with its numbers, or why there are none.
 
-    `size` is that of the picture [pixels], None where there is none.
+    `size` is that of the picture [pixels], None where there is none. With them comes the motion of
+    the last one that has a model of it.
     """
-    if str(table.attrs.get("geometry")) == "unknown":
-        return {}
     cards: dict[str, dict[str, Any]] = {}
+    model: Model = {}
+    if str(table.attrs.get("geometry")) == "unknown":
+        return cards, model
     for name, kind in fits.items():
         if kind.is_slow or balls_of(table) < kind.fewest_balls:
             continue
         try:
-            cards[name] = fit_of(name, table, description, folder, size)
+            cards[name], own = fit_of(name, table, description, size)
+            model = own or model
         except InputError as error:
             error.way_out = None  # what to do about it in Python is no help here
             cards[name] = {"kind": name, "error": str(error)}
-    return cards
+    return cards, model
 
 
 def fit_of(
-    name: str,
-    table: xr.Dataset,
-    description: Description,
-    folder: Path,
-    size: tuple[int, int] | None,
-) -> dict[str, Any]:
-    """Return one fit as the page shows it; a model of the angle is written to ``model.bin``.
+    name: str, table: xr.Dataset, description: Description, size: tuple[int, int] | None
+) -> tuple[dict[str, Any], Model]:
+    """Return one fit as the page shows it, and the block of its model's motion if it has one.
 
     A fit whose model does not describe the record has its ``doubt`` instead of numbers.
 
@@ -70,12 +69,12 @@ def fit_of(
     InputError
         If the table does not allow it.
     """
-    kind, apparatus = fits[name], description.apparatus(table)
+    kind, apparatus = fits[name], apparatus_of(description, table)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
         fit = kind.fit(table, apparatus)
         if not fit.describes:
-            return {"kind": name, "error": fit.verdict, "doubt": fit.doubt}
+            return {"kind": name, "error": fit.verdict, "doubt": fit.doubt}, {}
         system = kind.system(fit, apparatus, table)
         motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
     card = card_of(fit)
@@ -84,10 +83,10 @@ def fit_of(
     if system is not None:
         start = start_of(*motion[0]) if motion else None
         card["play"] = play_options(system, fit, start, table)
-    if motion:
-        (folder / "model.bin").write_bytes(model_block(table, name, motion, size))
-        card["model"] = True
-    return card
+    if not motion:
+        return card, {}
+    block = model_block(table, name, motion, size)
+    return {**card, "model": True}, {"model": np.frombuffer(block, np.uint8)}
 
 
 def card_of(fit: Fit) -> dict[str, Any]:
@@ -213,8 +212,8 @@ def trial_row(
     if str(table.attrs.get("geometry")) == "unknown":
         return None, "no pivot in the picture: no angles"
     try:
-        gravity = description.apparatus(table).gravity
-        row = trial_of(table, length=description.length, gravity=gravity)
+        gravity = apparatus_of(description, table).gravity
+        row = trial_of(table, length=description.get("length"), gravity=gravity)
     except InputError as error:
         error.way_out = None
         return None, str(error)

@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import secrets
 import shutil
-import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote
 
-from latolato.app.run_request import TooLargeError
 from latolato.core.errors import InputError
 
 # Size of the largest upload.
@@ -37,56 +35,82 @@ class Clip:
 
     Attributes
     ----------
-    key : str
-        Its name in addresses.
+    desk : str
+        The key of its page.
     folder : Path
-        Where all of it lies.
+        Where all of it lies; its name is the key of the clip in addresses.
     name : str
         What the user calls it, for people only.
-    size : int
-        Bytes received.
-    is_whole : bool
-        Whether it is complete: uploaded, or painted.
-    about : dict
-        The results of the work on it.
     trial : dict, optional
         Its row of the trial table.
     """
 
-    key: str
+    desk: str
     folder: Path
     name: str
-    size: int = 0
-    is_whole: bool = False
-    about: dict[str, Any] = field(default_factory=dict)
     trial: dict[str, Any] | None = None
+
+    @property
+    def key(self) -> str:
+        """Its name in addresses."""
+        return self.folder.name
 
     @property
     def upload(self) -> Path:
         """Where the upload lies."""
         return self.folder / UPLOAD
 
-    def file(self, name: str) -> Path | None:
-        """The path of one of `FILES`, None if it is none of them or does not exist."""
-        if name not in FILES:
-            return None
-        path = self.folder / name
-        return path if path.is_file() else None
 
+class Store:
+    """The clips of all open pages of a server, below one folder."""
 
-class Desk:
-    """The clips of one open page, removed when it closes."""
-
-    def __init__(self, store: Store, key: str) -> None:
-        self.key = key
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.desks: set[str] = set()
         self.clips: dict[str, Clip] = {}
-        self._store = store
 
-    def close(self) -> None:
-        """Remove everything that is this page's own; its jobs end with their sockets."""
-        for clip in list(self.clips.values()):
-            self.remove(clip)
-        self._store.desks.pop(self.key, None)
+    @contextmanager
+    def open_desk(self) -> Iterator[str]:
+        """Lend a page a key for its clips, which are removed when it closes."""
+        key = secrets.token_urlsafe(12)
+        self.desks.add(key)
+        try:
+            yield key
+        finally:
+            self.desks.remove(key)
+            for clip in self.of_desk(key):
+                self.remove(clip)
+
+    def of_desk(self, key: str) -> list[Clip]:
+        """Return the clips of a page."""
+        return [clip for clip in self.clips.values() if clip.desk == key]
+
+    def clip(self, key: str) -> Clip:
+        """Return a clip by its key, which only its page knows.
+
+        Raises
+        ------
+        InputError
+            If there is none of that key.
+        """
+        if key not in self.clips:
+            raise InputError("this file is no longer on the server: upload it again")
+        return self.clips[key]
+
+    def admit(self, desk: str | None, name: str) -> Clip:
+        """Return a new clip without content.
+
+        Raises
+        ------
+        InputError
+            If its page has closed.
+        """
+        if desk not in self.desks:
+            raise InputError("this page is not connected: reload it")
+        clip = Clip(desk, self.folder / secrets.token_urlsafe(12), display_name(name))
+        clip.folder.mkdir()
+        self.clips[clip.key] = clip
+        return clip
 
     def remove(self, clip: Clip) -> None:
         """Remove a clip, or what work wrote after that."""
@@ -99,95 +123,8 @@ class Desk:
         try:
             yield clip.folder
         finally:
-            if not clip.is_whole or clip.key not in self.clips:
+            if clip.key not in self.clips or not clip.upload.is_file():
                 self.remove(clip)
-
-    def clip(self, key: Any) -> Clip:
-        """Return a clip of this page.
-
-        Raises
-        ------
-        InputError
-            If there is none of that key.
-        """
-        if not isinstance(key, str) or key not in self.clips:
-            raise InputError("this file is no longer on the server: upload it again")
-        return self.clips[key]
-
-
-class Store:
-    """All clips of a server, below one temporary folder, each of at most `most_bytes`."""
-
-    def __init__(self, most_bytes: int) -> None:
-        self.most_bytes = most_bytes
-        self.desks: dict[str, Desk] = {}
-        self._folder: Path | None = None
-
-    @property
-    def folder(self) -> Path:
-        """The folder of this server, made when it is first needed."""
-        if self._folder is None:
-            self._folder = Path(tempfile.mkdtemp(prefix="latolato-clips-"))
-        return self._folder
-
-    def close(self) -> None:
-        """Remove everything."""
-        for desk in list(self.desks.values()):
-            desk.close()
-        if self._folder is not None:
-            shutil.rmtree(self._folder, ignore_errors=True)
-            self._folder = None
-
-    def open_desk(self) -> Desk:
-        """Return a place for the clips of a page."""
-        desk = Desk(self, secrets.token_urlsafe(12))
-        self.desks[desk.key] = desk
-        return desk
-
-    def desk(self, key: Any) -> Desk:
-        """Return the place of a page.
-
-        Raises
-        ------
-        InputError
-            If there is none: its page has closed.
-        """
-        if not isinstance(key, str) or key not in self.desks:
-            raise InputError("this page is not connected: reload it")
-        return self.desks[key]
-
-    def clip(self, key: str) -> Clip | None:
-        """Return a clip of any page, by its key that only its page knows."""
-        return next((d.clips[key] for d in self.desks.values() if key in d.clips), None)
-
-    def admit(self, desk: Desk, name: str, size: int = 0) -> Clip:
-        """Return a new clip without content.
-
-        Raises
-        ------
-        TooLargeError
-            If `size` bytes [as announced] are too much.
-        """
-        key = secrets.token_urlsafe(12)
-        clip = Clip(key, self.folder / key, display_name(name))
-        self.check_size(clip, size)
-        clip.folder.mkdir()
-        desk.clips[key] = clip
-        return clip
-
-    def check_size(self, clip: Clip, size: int) -> None:
-        """Refuse a clip of `size` bytes if that is too much.
-
-        Raises
-        ------
-        TooLargeError
-            With the limit.
-        """
-        if size > self.most_bytes:
-            raise TooLargeError(
-                f"{clip.name} is larger than {self.most_bytes / 1e6:g} MB, the limit for an upload",
-                way_out="cut it, or use `latolato track`",
-            )
 
 
 def display_name(text: str) -> str:

@@ -34,11 +34,8 @@ ROLES = (
 )  # fmt: skip
 # Rows of a preview.
 _ROWS = 5
-# What importing takes beside the columns, and what it takes if nothing is said.
-_USUAL = {
-    "section": None, "decimal": None, "frame_rate": None, "length": None, "radius": None,
-    "angle_from": "down", "y_axis": "up",
-}  # fmt: skip
+# What importing takes beside the columns, as it is given.
+_GIVEN = ("section", "decimal", "frame_rate", "length", "radius", "angle_from", "y_axis")
 
 
 def roles() -> dict[str, list[str]]:
@@ -93,7 +90,7 @@ class Import:
     columns : dict of str to str
         By the names of the file where these are clear, with a unit where the file has none.
     arguments : dict
-        What else it gets, without what it takes if nothing is said.
+        What else it gets.
     is_in_pixels : bool
         Whether the pivot is in pixels.
     """
@@ -112,19 +109,15 @@ def import_of(path: Path, description: Description) -> Import:
         For sections and columns that the file does not have.
     """
     with reading(path):
-        parts = parts_of(read_source(path, decimal=description.decimal))
-        name = description.section or next(iter(parts))
+        parts = parts_of(read_source(path, decimal=description.get("decimal")))
+        name = description.get("section") or next(iter(parts))
         if name not in parts:
             raise InputError(f"it has no section '{name}'", way_out=suggest(name, list(parts)))
         section = parts[name]
-        chosen = description.columns or {}
+        chosen = description.get("columns", {})
         found = {target: section.column(text) for target, text in chosen.items()}
-    arguments = {
-        name: getattr(description, name)
-        for name, usual in _USUAL.items()
-        if getattr(description, name) != usual
-    }
-    place = (description.pivot_x, description.pivot_y)
+    arguments = {name: description[name] for name in _GIVEN if name in description}
+    place = (description.get("pivot_x"), description.get("pivot_y"))
     unit = next((found[each][1] for each in ("ball_1_x", "ball_2_x") if each in found), "")
     if None not in place and unit == "px":
         arguments["pivot"] = list(place)

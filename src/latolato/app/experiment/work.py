@@ -6,20 +6,27 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.blocks import pack, unpack
+from latolato.app.blocks import pack
 from latolato.app.experiment.code import command_lines, python_lines
-from latolato.app.experiment.description import EXPORTS, Description, is_table
+from latolato.app.experiment.description import (
+    EXPORTS,
+    Description,
+    apparatus_of,
+    described,
+    is_table,
+)
 from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
@@ -30,20 +37,24 @@ from latolato.experiment.task import prepare
 from latolato.experiment.track import run
 from latolato.experiment.track_table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.video import Frame, Video, open_video
-from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     import xarray as xr
 
+Job = Mapping[str, Any]
 Tell = Callable[[str, float], None]
 # Longer side of the copy that the page plays [pixels], its quality, and frames between key frames.
 _LONGER, _CRF, _KEY_EVERY = 1280, 20, 12
 # The table that later jobs read, and the times of all frames as the file has them.
-TABLE, TIMES = "track.csv", "times.bin"
+TABLE, TIMES = "track.csv", "times.npy"
 # What a page knows about a track table.
 _SHOWN = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measured_radius",
           "gravity_source", "exposure", "circle_residual", "period", "period_sigma",
           "length")  # fmt: skip
+# What a description tells tracking beside places, frames and the camera.
+_DECLARED = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
+             "shape", "patch", "click_frame", "corrections")  # fmt: skip
+_OPTICS = ("row_time", "lens_k1", "lens_k2")
 # Fewest frames that show a motion.
 _FEWEST = 8
 # Frames of an example, small enough to be painted in seconds.
@@ -51,15 +62,15 @@ _EXAMPLE_SIZE = {"width": 480, "height": 360}
 _SEED = 1
 
 
-def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+def look(job: Job, tell: Tell) -> Result:
     """Return size and length of a video and where pivot and balls seem to be, or what a table is.
 
     A copy of a video that browsers play, with the same frames at the same times, is written beside
-    it, and ``times.bin`` with these times from the first frame on.
+    it; the array is these times from the first frame on [s].
     """
     if is_table(job["name"]):
         tell("reading", 0.0)
-        return look_at_table(job)
+        return look_at_table(job), {}
     # The copy plays as the file does.
     video = open_video(job["path"], slow_motion=1.0)
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
@@ -67,8 +78,8 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         raise InputError(
             f"{job['name']} has too few frames, {len(times)}: tracking needs {_FEWEST} or more"
         )
-    block = pack({"first": times[0]}, {"time": np.array(times) - times[0]})
-    (Path(job["folder"]) / TIMES).write_bytes(block)
+    np.save(Path(job["folder"]) / TIMES, times)
+    arrays = {"time": np.array(times) - times[0]}
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "message": None,
@@ -79,12 +90,12 @@ def look(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError as error:
         result["message"] = str(error)
-        return result
+        return result, arrays
     result["proposal"] = {
         "pivot": task.setup.pivot, "balls": task.setup.balls, "radius": task.radius,
         "click_frame": task.setup.click_frame,
     }  # fmt: skip
-    return result
+    return result, arrays
 
 
 def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> list[float]:
@@ -126,28 +137,25 @@ def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> l
     return times
 
 
-def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+def track(job: Job, tell: Tell) -> Result:
     """Track a video, write its table, and return what the table and the usual fits say."""
-    description = Description.from_json(job["description"])
-    if not description.balls:
+    description = described(job["description"])
+    if not description.get("balls"):
         raise InputError("point at one ball or two")
     path = Path(job["path"])
-    optics = {name: getattr(description, name) for name in ("row_time", "lens_k1", "lens_k2")}
-    names = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
-             "shape", "patch", "click_frame", "corrections")  # fmt: skip
-    known: dict[str, Any] = {name: getattr(description, name) for name in names}
-    about, arrays = unpack((Path(job["folder"]) / TIMES).read_bytes())
-    times = arrays["time"]
-    ends = {"start": description.first_frame, "end": description.last_frame}
+    known: dict[str, Any] = {name: description[name] for name in _DECLARED if name in description}
+    optics = {name: description[name] for name in _OPTICS if name in description}
+    times = np.load(Path(job["folder"]) / TIMES)
+    ends = {"start": description.get("first_frame"), "end": description.get("last_frame")}
     if any(number is not None for number in ends.values()):
-        slower = description.slow_motion or open_video(path).slow_motion
+        slower = description.get("slow_motion") or open_video(path).slow_motion
         for name, number in ends.items():
             if number is not None:
-                known[name] = (about["first"] + times[min(number, len(times) - 1)]) / slower
+                known[name] = times[min(number, len(times) - 1)] / slower
     settings = {**known, "optics": Optics(**optics)}
-    task = prepare(path, description.pivot, description.balls, settings)
+    task = prepare(path, description.get("pivot"), description["balls"], settings)
     task.warnings.clear()
-    task.setup = replace(task.setup, is_proposed=description.is_proposed)
+    task.setup = replace(task.setup, is_proposed=description.get("is_proposed", False))
     table = run(task, lambda share: tell("tracking", share))
     table.attrs["source"] = job["name"]
     folder = Path(job["folder"])
@@ -155,27 +163,32 @@ def track(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     named = f"video = {json.dumps(job['name'], ensure_ascii=False)}"
     text = re.sub(r"^video = .*$", lambda _: named, setup.read_text("utf-8"), count=1, flags=re.M)
     setup.write_text(text, encoding="utf-8")
-    (folder / "points.bin").write_bytes(points_block(table, task.video, times))
+    points = points_block(table, task.video, times - times[0])
     size = (task.video.width, task.video.height)
-    result = _results(table, description, folder, size, tell)
-    return plain({**result, "warnings": task.warnings})  # type: ignore[no-any-return]
+    result, models = _results(table, description, folder, size, tell)
+    return {**result, "warnings": task.warnings}, {"points": _bytes(points), **models}
 
 
-def import_(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+def import_(job: Job, tell: Tell) -> Result:
     """Import a table, write its track table, and return what that and the usual fits say."""
-    description = Description.from_json(job["description"])
+    description = described(job["description"])
     tell("reading", 0.0)
     path, folder = Path(job["path"]), Path(job["folder"])
     choices = None if is_track_file(path) else import_of(path, description)
     table = track_table_of(job, choices)
-    (folder / "points.bin").write_bytes(pack(*_motion(table)))
-    result = _results(table, description, folder, None, tell)
+    result, models = _results(table, description, folder, None, tell)
     kinds = [name for name, card in result["fits"].items() if "values" in card]
-    about = (job["name"], choices, kinds, description.apparatus(table))
+    about = (job["name"], choices, kinds, apparatus_of(description, table))
     code = [python_lines(*about), command_lines(*about)]
     assumed = table.attrs.get("assumed")
     warned = [assumed] if assumed else []
-    return plain({**result, "code": code, "warnings": warned})  # type: ignore[no-any-return]
+    points = _bytes(pack(*_motion(table)))
+    return {**result, "code": code, "warnings": warned}, {"points": points, **models}
+
+
+def _bytes(block: bytes) -> Any:
+    """Return a block as an array of another one."""
+    return np.frombuffer(block, np.uint8)
 
 
 def _results(
@@ -184,21 +197,22 @@ def _results(
     folder: Path,
     size: tuple[int, int] | None,
     tell: Tell,
-) -> dict[str, Any]:
+) -> Result:
     """Write a track table in place of an older one; return what it and the usual fits say."""
     for old in EXPORTS:
         (folder / old).unlink(missing_ok=True)
     write_table(table, folder / TABLE)
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
-    cards = fits_of(table, description, folder, size)
-    return {
+    cards, models = fits_of(table, description, size)
+    result = {
         "finding": finding_of(table, cards, trial),
-        "answer": answer_of(table, cards, trial, description.apparatus(table)),
+        "answer": answer_of(table, cards, trial, apparatus_of(description, table)),
         "fits": cards,
         "trial": trial,
         "no_trial": why,
     }
+    return result, models
 
 
 def _motion(table: xr.Dataset) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -261,23 +275,22 @@ def points_block(table: xr.Dataset, video: Video, times: np.ndarray) -> bytes:
     )
 
 
-def fit(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
-    """Return one fit of a table that was tracked before."""
+def fit(job: Job, tell: Tell) -> Result:
+    """Return one fit of a table that was tracked before, with the motion of its model."""
     tell("fitting", 0.0)
-    folder = Path(job["folder"])
-    table = read_table(folder / TABLE)
-    size = None if is_table(job["name"]) else (int(job["width"]), int(job["height"]))
-    description = Description.from_json(job["description"])
-    return plain(fit_of(job["kind"], table, description, folder, size))  # type: ignore[no-any-return]
+    table = read_table(Path(job["folder"]) / TABLE)
+    video = None if is_table(job["name"]) else open_video(job["path"])
+    size = (video.width, video.height) if video else None
+    return fit_of(job["kind"], table, described(job["description"]), size)
 
 
-def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+def export(job: Job, tell: Tell) -> Result:
     """Write the table as NetCDF, the video with the overlay, or the page on its quality."""
     folder = Path(job["folder"])
     table = read_table(folder / TABLE)
     if job["file"] == "track.nc":
         write_table(table, folder / job["file"])
-        return {"file": job["file"]}
+        return {"file": job["file"]}, {}
     attrs = table.attrs
     video = open_video(
         job["path"], slow_motion=float(attrs.get("slow_motion", 1.0)),
@@ -295,10 +308,10 @@ def export(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             write_track_report(table, video, folder / job["file"])
-    return {"file": job["file"]}
+    return {"file": job["file"]}, {}
 
 
-def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
+def example(job: Job, tell: Tell) -> Result:
     """Render a short video with known truth, and look at it."""
     import latolato as ll
     from latolato.experiment.synthetic.scene import Camera, Scene
@@ -337,10 +350,11 @@ def example(job: dict[str, Any], tell: Tell) -> dict[str, Any]:
     truth = {name: float(table.attrs[name]) for name in names if name in table.attrs}
     truth |= {"length": system.length, "centre_length": centre, "radius": radius, "mass": mass}
     truth["decay_rate"] = 0.5 * system.damping / (system.mass * system.length)
-    return {**look(job, tell), "truth": truth}
+    seen, arrays = look(job, tell)
+    return {**seen, "truth": truth}, arrays
 
 
-WORK: dict[str, Callable[[dict[str, Any], Tell], dict[str, Any]]] = {
+WORK: dict[str, Callable[[Job, Tell], Result]] = {
     "look": look,
     "track": track,
     "import": import_,

@@ -12,12 +12,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.blocks import pack_files
+from latolato.app.blocks import content_of
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import units_of
 from latolato.app.jobs import Job
 from latolato.app.map.stored import check_observable, drawing_of, opened, path_of, with_spacing
 from latolato.app.run_request import RunRequest, TooLargeError
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
 from latolato.core.quantities import quantity_of
 from latolato.io.analysis_tables import read_curves
@@ -47,20 +48,10 @@ def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
     Raises
     ------
     InputError
-        If no such map was named, a text holds no curve, or for values that its runs cannot have.
+        If no such map was named.
     """
-    request, media_type = dict(body), KINDS[body["kind"]]
-    for text in body.get("curves") or []:
-        read_curves(text)  # refused now, not after the map has been computed
-    if body.get("stored") is not None:
-        request["path"] = str(path_of(known, body["stored"]))
-    else:
-        scenario_of(body).plan()
-
-    def finish(about: dict[str, Any], folder: Path) -> bytes:
-        return pack_files({**about, "type": media_type}, {"file": folder / about["file"]})
-
-    return Job("map_file", request, finish)
+    stored = body.get("stored")
+    return Job(compute, {**body, "path": None if stored is None else path_of(known, stored)})
 
 
 def scenario_of(body: Mapping[str, Any]) -> Scenario:
@@ -77,11 +68,10 @@ def scenario_of(body: Mapping[str, Any]) -> Scenario:
 
 @dataclass(frozen=True)
 class PageMap:
-    """A map on show: all its numbers, how a page shows it, and the file that it comes from."""
+    """A map on show: all its numbers, and how a page shows it."""
 
     grid: xr.Dataset
     request: Mapping[str, Any]
-    path: Path | None = None
 
     @property
     def missing(self) -> int:
@@ -94,7 +84,7 @@ class PageMap:
         """Return a variable as the library draws it, of a ball if each has its own."""
         from latolato.figures.map import Drawing
 
-        if self.path is not None:
+        if self.request["path"] is not None:
             return drawing_of(self.grid, variable, self.request)
         check_observable(self.grid, variable)
         inner = {"ball": ball or _BALLS[0], "sample": "0", "exponent": "0"}
@@ -104,14 +94,21 @@ class PageMap:
         return with_spacing(drawing, self.request)
 
 
-def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Make a file of a map: what the job `map_file` does in its process."""
-    kind, path = request["kind"], request.get("path")
+def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Result:
+    """Make a file of a map.
+
+    Raises
+    ------
+    InputError
+        If a text holds no curve, or for values that its runs cannot have.
+    """
+    kind, path = request["kind"], request["path"]
+    curves = [curve for text in request.get("curves") or [] for curve in read_curves(text)]
     if path is not None:
-        page_map = PageMap(opened(Path(path)), request, Path(path))
+        grid = opened(path)
     else:
         grid = scenario_of(request).sweep(progress=lambda done, total: progress(done / total))
-        page_map = PageMap(grid, request)
+    page_map = PageMap(grid, request)
     if page_map.grid.nbytes > MOST_BYTES:
         raise TooLargeError(
             f"a download must not exceed {MOST_BYTES / 1e6:.0f} MB",
@@ -120,12 +117,13 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dic
         )
     target = folder / f"map.{kind}"
     if kind in ("png", "svg"):
-        _write_picture(page_map, target, folder)
+        _write_picture(page_map, curves, target)
     else:
         from latolato.io.files import save
 
         save(_with_note(page_map), target)
-    return {"file": target.name, "missing": page_map.missing}
+    about = {"file": target.name, "type": KINDS[kind], "missing": page_map.missing}
+    return about, {"file": content_of(target)}
 
 
 def _with_note(page_map: PageMap) -> xr.Dataset:
@@ -137,17 +135,16 @@ def _with_note(page_map: PageMap) -> xr.Dataset:
     return page_map.grid.assign_attrs(unfinished=text)
 
 
-def _write_picture(page_map: PageMap, target: Path, folder: Path) -> None:
+def _write_picture(page_map: PageMap, curves: list[xr.Dataset], target: Path) -> None:
     """Write the picture of a map as the page shows it."""
     from latolato.figures.style import save_figure
 
     request, points = page_map.request, None
     if request.get("trials") is not None:
-        points = folder / "trials.csv"
+        points = target.with_name("trials.csv")
         points.write_text(request["trials"], encoding="utf-8")
     drawing = page_map.drawing(request["observable"], request.get("ball"))
     drawing.log = bool(request.get("log")) and not drawing.classes
-    curves = [curve for text in request.get("curves") or [] for curve in read_curves(text)]
     over = [*(request.get("overlays") or []), *curves]
     figure = drawing.map(over, points, _look(page_map))
     save_figure(figure, target, dpi=PICTURE_DPI)

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.app.blocks import pack
 from latolato.app.forms import shown_variable, units_of
 from latolato.app.jobs import Job
 from latolato.app.run_request import TooLargeError, options_of
+from latolato.app.worker import Result
 from latolato.core.errors import InputError
 from latolato.core.parameters import law_parameters
 from latolato.core.quantities import Quantity, quantity_of
@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
 MOST_CELLS = 500 * 500
 _SIDES = ("right", "left")
-_BLOCK = "map.block"
 
 
 def named(paths: Sequence[Path]) -> dict[str, Path]:
@@ -84,28 +83,18 @@ def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
     InputError
         If no such map was named.
     """
-    path = path_of(known, body["stored"])
-
-    def finish(about: dict[str, Any], folder: Path) -> bytes:
-        return (folder / _BLOCK).read_bytes()
-
-    return Job("open_map", {**body, "path": str(path)}, finish)
+    return Job(compute, {**body, "path": path_of(known, body["stored"])})
 
 
-def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> dict[str, Any]:
-    """Open a map: what the job `open_map` does in its process."""
-    (folder / _BLOCK).write_bytes(block_of(Path(request["path"]), request))
-    return {}
-
-
-def block_of(path: Path, request: Mapping[str, Any]) -> bytes:
-    """Return a stored map as a block: what it is of, its axes and all its cells.
+def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Result:
+    """Open a stored map: what it is of, its axes and all its cells.
 
     Raises
     ------
     InputError
         If there is nothing that a map can show.
     """
+    path = request["path"]
     grid = opened(path)
     variable = request.get("observable")
     names = [str(n) for n in grid.data_vars if len(_dims(grid, str(n))) >= 2]
@@ -139,17 +128,14 @@ def block_of(path: Path, request: Mapping[str, Any]) -> bytes:
         "missing": int(np.sum(drawing.status < 0)),
         "description": _description(grid, drawing),
     }
-    return pack(
-        about,
-        {
-            "x": x.values,
-            "y": y.values,
-            "x_edges": x.edges,
-            "y_edges": y.edges,
-            "status": drawing.status.astype(np.int32).ravel(),
-            "values": drawing.numbers.ravel(),
-        },
-    )
+    return about, {
+        "x": x.values,
+        "y": y.values,
+        "x_edges": x.edges,
+        "y_edges": y.edges,
+        "status": drawing.status.astype(np.int32).ravel(),
+        "values": drawing.numbers.ravel(),
+    }
 
 
 def _axis(side: Side) -> dict[str, Any]:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import Range
@@ -64,6 +65,9 @@ _LOST_CYCLES = 4
 _LEAST_OVERTONE = 0.1
 # Multiples of the driving frequency that are looked at.
 _OVERTONES = (2, 3, 4)
+# What a drive may have besides its stages, and where a search for that starts.
+_DRIFT = {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
+_CRANK = {"crank_ratio": Guess(0.0, -0.99, 0.99)}
 # Durations of ramps that a search starts from [s], and the trials that it may take.
 _RAMPS, _TRIES = (0.3, 1.0, 3.0), 50
 # Scatter of the times between samples, as a share, from which they are uneven.
@@ -172,13 +176,10 @@ def fit_drive(
     if profile:
         profiles = ("drive_amplitude", "drive_frequency")
         solution = _fit(data, shape, solution.guesses, profiles=profiles)
+    is_steady = "frequency_drift" not in solution.values
     drift: dict[str, Estimate] = {}
     if shape.stages == 1:
-        drifting = (
-            solution
-            if shape.drifts_about is not None
-            else _fit(data, *_with_drift(data, shape, solution))
-        )
+        drifting = _fit(data, shape, solution.guesses | _DRIFT) if is_steady else solution
         drift = {
             "amplitude_drift": drifting.estimate("amplitude_drift", "m/s"),
             "frequency_drift": drifting.estimate("frequency_drift", "rad/s^2"),
@@ -186,8 +187,8 @@ def fit_drive(
     _check_cycles(solution, float(np.ptp(data.times)))
     adequacy = _doubt(data, shape, solution, origin, least)
     estimates = _estimates(solution, shape, origin) | drift
-    overtones = _overtones(data, shape, solution, least)
-    drive, drive_words = _drive(solution, shape, overtones)
+    overtones, overtone_sigma = _overtones(data, shape, solution, least)
+    drive, drive_words = _drive(solution, shape, overtones[0], overtone_sigma)
     across = across_of(table, data.times, origin, shape, solution, least)
     if across is not None:
         drive, more = with_across(drive, across)
@@ -196,7 +197,7 @@ def fit_drive(
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
     words = [_main_words(estimates, solution, shape, origin), drive_words]
-    if shape.drifts_about is not None:
+    if not is_steady:
         span = float(np.ptp(data.times))
         words.append(
             f"It is not steady: over {span:.3g} s {' and '.join(_changes(data, solution))}."
@@ -215,8 +216,8 @@ def fit_drive(
         "pivot_height_residual": ("sample", solution.residuals),
         "is_outlier": ("sample", ~solution.kept),
         "harmonic": ("harmonic", np.array(_OVERTONES)),
-        "harmonic_amplitude": ("harmonic", np.array([o.amplitude for o in overtones])),
-        "harmonic_amplitude_sigma": ("harmonic", np.array([o.sigma for o in overtones])),
+        "harmonic_amplitude": ("harmonic", np.abs(overtones)),
+        "harmonic_amplitude_sigma": ("harmonic", np.full(len(overtones), overtone_sigma)),
         "stage_start": (
             "stage",
             origin + np.array([0.0, *(solution.values[n] for n in shape.times)]),
@@ -253,20 +254,6 @@ fits.register("drive")(
         system=lambda _, apparatus, table: apparatus.guess(table) if apparatus.length else None,
     )
 )
-
-
-@dataclass(frozen=True)
-class _Overtone:
-    """A multiple of the driving frequency in the height: in phase and in quadrature [m]."""
-
-    cosine: float
-    sine: float
-    sigma: float
-
-    @property
-    def amplitude(self) -> float:
-        """Size [m]."""
-        return math.hypot(self.cosine, self.sine)
 
 
 def _samples(
@@ -353,33 +340,41 @@ def _chosen(
 
     Stages are added as long as each is worth its parameters.
     """
-    if zeros is None or stages is not None:
-        return _of_stages(data, zeros, stages or 1, least)
-    shape, best = _of_stages(data, zeros, 1, least)
-    for count in range(2, MOST_STAGES + 1):
+    middle = 0.5 * float(data.times[0] + data.times[-1])
+    chosen: tuple[Shape, Solution] | None = None
+    for count in range(1, MOST_STAGES + 1) if stages is None else [stages]:
+        shape = Shape(count, middle)
         try:
-            richer, trial = _of_stages(data, zeros, count, least)
+            trial = _of_stages(data, zeros, shape, least)
         except InputError:
+            if chosen is None:
+                raise
             break
-        if not (_is_better(trial, best) and _is_real(trial, richer, data)):
+        if chosen and not (_is_better(trial, chosen[1]) and _is_real(trial, shape, data)):
             break
-        shape, best = richer, trial
-    return shape, best
+        chosen = shape, trial
+    assert chosen is not None
+    return chosen
 
 
-def _of_stages(
-    data: Data, zeros: Floats | None, count: int, least: float
-) -> tuple[Shape, Solution]:
-    """Return the best shape of so many stages: plain, changing smoothly, with a crank."""
-    shape = Shape(count)
+def _of_stages(data: Data, zeros: Floats | None, shape: Shape, least: float) -> Solution:
+    """Return the best solution of so many stages: plain, changing smoothly, with a crank."""
     best = _plain(data, zeros, shape)
-    changing = _with_drift if count == 1 else _with_ramp
-    for richer_of in (changing, _with_crank):
-        richer, *starts = richer_of(data, shape, best)
-        for trial in solutions_of(partial(_fit, data, richer, limit=_TRIES), starts)[:1]:
-            if _is_better(trial, best) and _is_large(data, richer, trial, least):
-                shape, best = richer, trial
-    return shape, best
+    for further in (_ramps(best, shape) if shape.times else [_DRIFT], [_CRANK]):
+        starts = [best.guesses | each for each in further]
+        for trial in solutions_of(partial(_fit, data, shape, limit=_TRIES), starts)[:1]:
+            if _is_better(trial, best) and _is_large(data, trial, least):
+                best = trial
+    return best
+
+
+def _ramps(best: Solution, shape: Shape) -> list[dict[str, Guess]]:
+    """Return ramps between stages about the steps of a solution."""
+    return [
+        {name: Guess(best.values[name] - 0.5 * ramp) for name in shape.times}
+        | {"ramp": Guess(ramp, 0.0)}
+        for ramp in _RAMPS
+    ]
 
 
 def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
@@ -389,6 +384,8 @@ def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
     gap may hold some cycles more or fewer than that has.
     """
     if zeros is None:
+        if shape.times:
+            raise InputError("a drive faster than half the rate of the samples has no stages")
         few = slice(0, _FAST_SAMPLES)
         fast = _harmonic_guess(data.times[few], data.values[few], _fastest(data.times))
         return _fit(data, shape, fast)
@@ -428,34 +425,12 @@ def _harmonic_guess(late: Floats, height: Floats, fastest: float | None = None) 
     }
 
 
-def _with_crank(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
-    """Return a shape with the overtones of a crank, and where its fit starts."""
-    return replace(shape, crank=True), best.guesses | {"crank_ratio": Guess(0.0, -0.99, 0.99)}
-
-
-def _with_drift(data: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
-    """Return a shape whose amplitude and frequency drift, and where its fit starts."""
-    drifting = replace(shape, drifts_about=0.5 * float(data.times[0] + data.times[-1]))
-    rates = {"amplitude_drift": Guess(0.0), "frequency_drift": Guess(0.0)}
-    return drifting, best.guesses | rates
-
-
-def _with_ramp(_: Data, shape: Shape, best: Solution) -> tuple[Any, ...]:
-    """Return a shape with ramps between its stages, and where its fits start."""
-    starts = []
-    for ramp in _RAMPS:
-        earlier = {name: Guess(best.values[name] - 0.5 * ramp) for name in shape.times}
-        starts.append({**best.guesses, **earlier, "ramp": Guess(ramp, 0.0)})
-    return replace(shape, ramp=True), *starts
-
-
-def _is_large(data: Data, shape: Shape, solution: Solution, least: float) -> bool:
+def _is_large(data: Data, solution: Solution, least: float) -> bool:
     """Return whether overtones exceed what a track may bend, and drifts those of any motor."""
-    if shape.crank:
-        return (
-            0.25 * abs(solution.values["crank_ratio"]) * solution.values["drive_amplitude"] > least
-        )
-    return shape.drifts_about is None or bool(_changes(data, solution))
+    p = solution.values
+    if "crank_ratio" in p:
+        return 0.25 * abs(p["crank_ratio"]) * p["drive_amplitude"] > least
+    return "frequency_drift" not in p or bool(_changes(data, solution))
 
 
 def _is_better(trial: Solution, best: Solution) -> bool:
@@ -510,10 +485,13 @@ def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Est
     return estimates
 
 
-def _overtones(data: Data, shape: Shape, solution: Solution, least: float) -> list[_Overtone]:
-    """Return the multiples of the driving frequency in the measured height.
+def _overtones(
+    data: Data, shape: Shape, solution: Solution, least: float
+) -> tuple[NDArray[np.complex128], float]:
+    """Return the multiples of the driving frequency in the height, and their deviation [m].
 
-    A track may bend the height by `least`, which is no scatter.
+    The real parts are in phase, the imaginary ones in quadrature. A track may bend the height by
+    `least`, which is no scatter.
     """
     phase = shape.phase(solution.values, data.times)
     columns = [np.ones(len(data))]
@@ -523,43 +501,39 @@ def _overtones(data: Data, shape: Shape, solution: Solution, least: float) -> li
     values, *_ = np.linalg.lstsq(design, data.values[solution.kept], rcond=None)
     rest = data.values[solution.kept] - design @ values
     scatter = 2.0 * float(np.mean(rest**2)) / solution.effective_samples
-    sigma = math.sqrt(scatter + (0.25 * least) ** 2)
-    return [
-        _Overtone(float(values[1 + 2 * i]), float(values[2 + 2 * i]), sigma)
-        for i in range(1, len(_OVERTONES) + 1)
-    ]
+    return values[3::2] + 1j * values[4::2], math.sqrt(scatter + (0.25 * least) ** 2)
 
 
-def _drive(solution: Solution, shape: Shape, overtones: list[_Overtone]) -> tuple[Drive, str]:
-    """Return the drive object, and a sentence on its overtones."""
+def _drive(
+    solution: Solution, shape: Shape, second: complex, second_sigma: float
+) -> tuple[Drive, str]:
+    """Return the drive object, and a sentence on its second harmonic [m]."""
     p = solution.values
     amplitude, phase = p["drive_amplitude"], math.remainder(p["drive_phase"], math.tau)
-    second = overtones[0]
-    share = 100.0 * second.amplitude / amplitude
-    if shape.crank:
-        q = p["crank_ratio"]
+    share, q = 100.0 * abs(second) / amplitude, p.get("crank_ratio")
+    if q is not None:
         words = (
             f"The second harmonic ({share:.2g} % of the amplitude) matches a crank with "
             f"A0/L = {abs(q):.3g} ± {solution.sigma('crank_ratio'):.1g} and its guide "
             f"{'above' if q > 0.0 else 'below'}."
         )
-    elif second.amplitude > 4.0 * second.sigma:
+    elif abs(second) > 4.0 * second_sigma:
         words = f"A second harmonic of {share:.2g} % of the amplitude does not match a crank."
     else:
-        words = f"No second harmonic was detected (below {400 * second.sigma / amplitude:.2g} %)."
-    if abs(second.sine) > max(4.0 * second.sigma, abs(second.cosine)) and shape.crank:
+        words = f"No second harmonic was detected (below {400 * second_sigma / amplitude:.2g} %)."
+    if q is not None and abs(second.imag) > max(4.0 * second_sigma, abs(second.real)):
         words += " It is not in phase, so a crank alone does not explain it."
     if shape.stages > 1:
         first: Any = {"drive_amplitude": amplitude, "drive_phase": phase}
         times = [0.0, *(p[name] for name in shape.times)]
         rates = [p[name] for name in shape.frequencies]
         ramp = min(max(p.get("ramp", 0.0), 0.0), float(np.min(np.diff(times))))
-        if shape.crank:
+        if q is not None:
             words += " The schedule of frequencies omits it."
         drive: Drive = FrequencySchedule(times=times, drive_frequencies=rates, ramp=ramp, **first)
         return drive, words
-    if shape.drifts_about is not None and p["frequency_drift"] != 0.0:
-        rate, middle = p["frequency_drift"], shape.drifts_about
+    rate, middle = p.get("frequency_drift", 0.0), shape.middle
+    if rate != 0.0:
         drive = Chirp(
             drive_amplitude=amplitude,
             drive_frequency=p["drive_frequency"] - rate * middle,
@@ -568,13 +542,13 @@ def _drive(solution: Solution, shape: Shape, overtones: list[_Overtone]) -> tupl
             drive_phase=math.remainder(phase + 0.5 * rate * middle**2, math.tau),
         )
         return drive, words
-    if shape.crank:
+    if q is not None:
         return CrankSlider(
             drive_amplitude=amplitude,
             drive_frequency=p["drive_frequency"],
             drive_phase=phase,
-            connecting_rod_length=amplitude / abs(p["crank_ratio"]),
-            guide="above" if p["crank_ratio"] > 0.0 else "below",
+            connecting_rod_length=amplitude / abs(q),
+            guide="above" if q > 0.0 else "below",
         ), words
     return Harmonic(
         drive_amplitude=amplitude, drive_frequency=p["drive_frequency"], drive_phase=phase
@@ -592,7 +566,7 @@ def _main_words(
         rate, instant = solution.estimate(name, "rad/s"), solution.estimate(before, "s")
         instant = instant.shifted(origin)
         words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
-    if shape.ramp:
+    if "ramp" in estimates:
         words += f", each reached within {estimates['ramp']}"
     sizes = ("drive_amplitude", "drive_frequency")
     words += "." + "".join(size_question(name, estimates[name].value) for name in sizes)
@@ -630,14 +604,13 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
     place = place_of_change(data, solution, shortest, 0.5 * least)
     if place is None:
         return misfit_doubt(solution, replace(data, times=data.times + origin)) or Adequacy()
-    simple = Shape(crank=shape.crank)
+    simple = Shape(1, shape.middle)
 
     def fit_part(part: Data, about: Solution | None = None) -> Solution:
         if about is not None:
             return _fit(part, simple, about.guesses)
         guesses = _harmonic_guess(part.times, part.values)
-        if shape.crank:
-            guesses["crank_ratio"] = solution.guesses["crank_ratio"]
+        guesses |= {name: solution.guesses[name] for name in _CRANK if name in solution.guesses}
         return _fit(part, simple, guesses)
 
     noise = max(noise_of(data.values), 1e-300)

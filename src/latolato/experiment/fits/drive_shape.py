@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -15,13 +14,21 @@ from latolato.experiment.fits.least_squares import Data, Floats, Guess
 
 @dataclass(frozen=True)
 class Shape:
-    """Which parameters the height of a driven pivot has."""
+    """How the height of a driven pivot follows from its parameters.
 
-    stages: int = 1
-    crank: bool = False
-    ramp: bool = False
-    # The instant about which amplitude and frequency drift [s], None if they do not.
-    drifts_about: float | None = None
+    Those of a crank (``crank_ratio``), of changes between stages (``ramp``) and of a drift
+    (``amplitude_drift``, ``frequency_drift``) are 0 where they are not among them.
+
+    Attributes
+    ----------
+    stages : int
+        Number of stages of one frequency each.
+    middle : float
+        Instant about which amplitude and frequency drift [s].
+    """
+
+    stages: int
+    middle: float
 
     @property
     def frequencies(self) -> list[str]:
@@ -35,30 +42,25 @@ class Shape:
 
     def phase(self, p: Mapping[str, float], times: Floats) -> Floats:
         """Return the phase at instants, as a `FrequencySchedule` has it."""
-        phase = np.full(len(times), p["drive_phase"])
         rates = [p[name] for name in self.frequencies]
-        phase += rates[0] * times
-        ramp = p["ramp"] if self.ramp else 0.0
+        drift = 0.5 * p.get("frequency_drift", 0.0)
+        phase = p["drive_phase"] + rates[0] * times + drift * (times - self.middle) ** 2
+        ramp = p.get("ramp", 0.0)
         for name, old, new in zip(self.times, rates[:-1], rates[1:], strict=True):
             s = np.maximum(times - p[name], 0.0)
             rising = np.minimum(s, ramp)
             gained = 0.5 * rising**2 / ramp if ramp > 0.0 else 0.0
             phase += (new - old) * (gained + s - rising)
-        if self.drifts_about is not None:
-            phase += 0.5 * p["frequency_drift"] * (times - self.drifts_about) ** 2
         return phase
 
     def height(self, p: Mapping[str, float], times: Floats) -> Floats:
         """Return the height at instants [m]."""
         phase = self.phase(p, times)
-        shape = np.cos(phase)
-        if self.crank:
-            q = p["crank_ratio"]
+        shape, q = np.cos(phase), p.get("crank_ratio", 0.0)
+        if q != 0.0:
             square = np.sin(phase) ** 2
             shape -= q * square / (1.0 + np.sqrt(np.maximum(1.0 - q * q * square, 0.0)))
-        amplitude: Any = p["drive_amplitude"]
-        if self.drifts_about is not None:
-            amplitude = amplitude + p["amplitude_drift"] * (times - self.drifts_about)
+        amplitude = p["drive_amplitude"] + p.get("amplitude_drift", 0.0) * (times - self.middle)
         out: Floats = amplitude * shape + p["mean_height"]
         return out
 

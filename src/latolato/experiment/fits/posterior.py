@@ -5,7 +5,8 @@ parameters nearly linearly. Where they do not, as near a restitution of 1 or whe
 may not happen, the probability of parameters given the samples is wanted itself. It is sampled here
 with the No-U-Turn sampler (Hoffman & Gelman 2014) of nutpie, which follows the gradient of the
 density. That comes from derivatives of the motion which go through its impacts
-(`latolato.simulation.sensitivity`), and is exact but for the straight lines of `Lines`.
+(`latolato.simulation.sensitivity`). They are exact but for how the engine's numbers change with
+each parameter, which is that of the least-squares solution everywhere.
 
 Where the order of contacts changes with a parameter, angles stay continuous but have a kink, and on
 it a derivative does not exist. The sampler stays right there. Its steps, a kick along the gradient
@@ -46,10 +47,9 @@ from latolato.experiment.fits.result import (
     make_fit,
     quantity_of,
 )
-from latolato.experiment.fits.sight import SEEN
 from latolato.physics.drives import Drive, drives
+from latolato.physics.noise import SEEDS
 from latolato.physics.pendulum import System, systems
-from latolato.simulation.sensitivity import Numbers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -154,11 +154,12 @@ def fit_posterior(
     sampling_module("nutpie")
     count = checked_count("draws", draws, Range(10))
     paths = checked_count("chains", chains, Range(2))
+    seed = checked_count("seed", seed, SEEDS)
     found = described(
         table, system, drive, unknown, ball=ball, start=start, end=end, window=window,
         prior=prior, fits_pivot=True,
     )  # fmt: skip
-    density = Density.about(found)
+    density = Density(found)
     doubt = doubt_of(found, list(density.bends.T))
     if not doubt.describes:
         # Paths in the density of a wrong model can take hours, and no draw would be a result.
@@ -182,125 +183,48 @@ fits.register("posterior")(
 
 
 @dataclass(frozen=True)
-class _Scale:
-    """How a parameter in a range stands for a number without bounds.
+class _Scales:
+    """How parameters in ranges stand for numbers without bounds.
 
-    ``theta = u``, ``low + exp u``, or ``low + (high - low)/(1 + exp -u)``.
+    ``theta = u`` without a lower end, ``low + exp u`` without an upper one, and
+    ``low + (high - low)/(1 + exp -u)`` in any other range; all shapes are (parameter,).
     """
 
-    low: float
-    high: float
+    low: Floats
+    high: Floats
 
-    def inside(self, u: float) -> tuple[float, float, float, float]:
-        """Return the parameter, its derivative, the log of that, and the derivative of the log."""
-        if math.isinf(self.low) and math.isinf(self.high):
-            return u, 1.0, 0.0, 0.0
-        if math.isinf(self.high):
-            size = math.exp(min(u, 700.0))
-            return self.low + size, size, u, 1.0
-        if math.isinf(self.low):
-            size = math.exp(min(u, 700.0))
-            return self.high - size, -size, u, 1.0
-        share = 1.0 / (1.0 + math.exp(-min(max(u, -700.0), 700.0)))
-        width, slope = self.high - self.low, share * (1.0 - share)
-        # log(share (1 - share)) without the loss of 1 - share near 1
-        log = -abs(u) - 2.0 * math.log1p(math.exp(-abs(u)))
-        return self.low + width * share, width * slope, log + math.log(width), 1.0 - 2.0 * share
+    def _of_kind(self, free: Any, half: Any, closed: Any) -> Floats:
+        """Return for each parameter what belongs to its kind of range."""
+        return np.select([np.isinf(self.low), np.isinf(self.high)], [free, half], closed)
 
-    def outside(self, value: float, sigma: float) -> tuple[float, float]:
-        """Return the number without bounds for a value, and its deviation.
+    @property
+    def _width(self) -> Floats:
+        return np.where(np.isfinite(self.high - self.low), self.high - self.low, 1.0)
+
+    def inside(self, u: Floats) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return parameters, their derivatives, the logs of these, and the derivatives of logs."""
+        from scipy.special import expit, log_expit
+
+        size, share, rest = np.exp(np.minimum(u, 700.0)), expit(u), expit(-u)
+        logs = np.log(self._width) + log_expit(u) + log_expit(-u)
+        return (
+            self._of_kind(u, self.low + size, self.low + self._width * share),
+            self._of_kind(1.0, size, self._width * share * rest),
+            self._of_kind(0.0, u, logs),
+            self._of_kind(0.0, 1.0, rest - share),
+        )
+
+    def outside(self, values: Floats, sigmas: Floats) -> tuple[Floats, Floats]:
+        """Return the numbers without bounds for values, and their deviations.
 
         A value at a bound is taken half a deviation inside.
         """
-        if math.isinf(self.low) and math.isinf(self.high):
-            return value, sigma
-        width = self.high - self.low
-        edge = min(0.5 * sigma, 0.1 * width)
-        value = min(max(value, self.low + edge), self.high - edge)
-        if math.isinf(self.high):
-            u = math.log(value - self.low)
-        elif math.isinf(self.low):
-            u = math.log(self.high - value)
-        else:
-            u = math.log((value - self.low) / (self.high - value))
-        return u, min(sigma / abs(self.inside(u)[1]), 1.0)
-
-
-@dataclass(frozen=True)
-class Lines:
-    """How the engine's numbers change with each parameter, as straight lines of the parameters.
-
-    To find these changes takes longer than to compute the motion, and over a posterior they hardly
-    curve: by the square of the share by which a parameter is uncertain. What that leaves is an
-    error of the gradient, which costs acceptance only.
-
-    Attributes
-    ----------
-    directions : list of list of dict
-        Those of the least-squares solution, for each window and parameter.
-    middle : dict of str to float
-        That solution, of the parameters that all windows share.
-    slopes : ndarray, shape (number, parameter)
-        Derivatives of all the numbers in `directions`, one after the other.
-    """
-
-    directions: list[list[Numbers]]
-    middle: dict[str, float]
-    slopes: Floats
-
-    @classmethod
-    def about(cls, found: Described, names: Sequence[str]) -> Lines:
-        """Return the lines through the least-squares solution of a model."""
-        model, solution = found.model, found.solution
-        middle = {
-            name: solution.values[name]
-            for name in names
-            if name in model.shared and name not in SEEN
-        }
-        columns = []
-        for name, value in middle.items():
-            guess, sigma = model.shared[name], max(solution.sigma(name), 1e-9 * abs(value))
-            ends = max(value - sigma, guess.low), min(value + sigma, guess.high)
-            low, high = (
-                floats_of(model.directions_at({**solution.values, name: end}, names))
-                for end in ends
-            )
-            # Numbers that are no floats are equal, and walls that are never met infinite.
-            rise = np.where(low == high, 0.0, high - low)
-            columns.append(rise / (ends[1] - ends[0]))
-        directions = model.directions_at(solution.values, names)
-        count = len(floats_of(directions))
-        slopes = np.column_stack(columns) if columns else np.empty((count, 0))
-        return cls(directions, middle, slopes)
-
-    def __call__(self, p: Mapping[str, float]) -> list[list[Numbers]]:
-        """Return the changes for values of the parameters, in the form of `directions`."""
-        late = np.array([p[name] - value for name, value in self.middle.items()])
-        shift = self.slopes @ late
-        moved: list[list[Numbers]] = []
-        place = 0
-        for window in self.directions:
-            moved.append([])
-            for numbers in window:
-                own = {name: values.copy() for name, values in numbers.items()}
-                for values in own.values():
-                    row = np.ravel(values).view(np.float64)
-                    part = shift[place : place + len(row)]
-                    row[part != 0.0] += part[part != 0.0]
-                    place += len(row)
-                moved[-1].append(own)
-        return moved
-
-
-def floats_of(directions: Sequence[Sequence[Numbers]]) -> Floats:
-    """Return the memory of all numbers, of which those that differ are floats, in one row."""
-    rows = [
-        np.ravel(values).view(np.float64)
-        for window in directions
-        for numbers in window
-        for values in numbers.values()
-    ]
-    return np.concatenate(rows) if rows else np.empty(0)
+        edge = np.minimum(0.5 * sigmas, self._of_kind(math.inf, math.inf, 0.1 * self._width))
+        values = np.clip(values, self.low + edge, self.high - edge)
+        late = np.where(np.isinf(self.low), 1.0, values - self.low)
+        left = np.where(np.isinf(self.high), 1.0, self.high - values)
+        u = self._of_kind(values, np.log(late), np.log(late / left))
+        return u, self._of_kind(sigmas, *[np.minimum(sigmas / self.inside(u)[1], 1.0)] * 2)
 
 
 class Density:
@@ -315,27 +239,9 @@ class Density:
         All parameters, in the order of the values that `values` returns.
     """
 
-    def __init__(
-        self, found: Described, guesses: Mapping[str, Guess], bends: Floats,
-        centre: Floats, root: Floats, noise: tuple[float, float] | None,
-    ) -> None:  # fmt: skip
-        self.found, self.bends, self.noise = found, bends, noise
-        self.moving = list(found.solution.names)
-        self.names = list(guesses)
-        self.centre, self.root = centre, root
-        self._scales = [_Scale(guess.low, guess.high) for guess in guesses.values()]
-        self._expected = np.array([guess.expected for guess in guesses.values()])
-        self._precision = np.array([guess.prior**-2 for guess in guesses.values()])
-        kept = found.solution.kept
-        self._data = found.data[kept]
-        self._kept = kept
-        self._late, self._inside = links_of(self._data)
-        self._lines = Lines.about(found, self.moving)
-
-    @classmethod
-    def about(cls, found: Described) -> Density:
-        """Return the density of a model's parameters."""
+    def __init__(self, found: Described) -> None:
         solution, model, data = found.solution, found.model, found.data
+        self.found, self.moving = found, list(solution.names)
         guesses = dict(solution.guesses)
         bends = []
         begins = np.array([window.begin for window in model.windows])
@@ -344,30 +250,41 @@ class Density:
             bends.append(math.sqrt(weight) * (other(solution.values) - solution.curve))
             guesses[f"pivot_motion_{number}"] = Guess(0.0, prior=1.0)
         scale, rho = math.sqrt(solution.chi_square), max(solution.correlation, 0.1)
-        noise = (1.0, solution.correlation) if shares_errors(found) else None
-        if noise is None:
+        self.noise = (1.0, solution.correlation) if shares_errors(found) else None
+        if self.noise is None:
             guesses[NOISE_SCALE] = Guess(scale, low=0.0)
             guesses[NOISE_CORRELATION] = Guess(rho, 0.0, MOST_CORRELATION)
         else:
             scale = 1.0
-        columns = np.column_stack(bends) if bends else np.empty((len(data), 0))
+        self.bends = np.column_stack(bends) if bends else np.empty((len(data), 0))
         # The information of samples and priors, of which that of the noise is by itself.
         white = whitened(data, solution.kept, solution.correlation)
-        slopes = np.column_stack([solution.slopes, columns]) / data.sigmas[:, None]
+        slopes = np.column_stack([solution.slopes, self.bends]) / data.sigmas[:, None]
         known = white(slopes) / scale
-        information = np.diag([guess.prior**-2 for guess in guesses.values()])
+        self._precision = np.array([guess.prior**-2 for guess in guesses.values()])
+        information = np.diag(self._precision)
         size = known.shape[1]
         information[:size, :size] += known.T @ known
-        if noise is None:
+        if self.noise is None:
             information[size, size] = 2.0 * solution.effective_samples / scale**2
             information[-1, -1] = len(data) / (1.0 - rho**2)
-        centre, root = _standardised(guesses, information)
-        return cls(found, guesses, columns, centre, root, noise)
+        self.names = list(guesses)
+        low, high, best, self._expected = (
+            np.array([getattr(guess, part) for guess in guesses.values()])
+            for part in ("low", "high", "value", "expected")
+        )
+        self._scales = _Scales(low, high)
+        self.centre, self.root = _standardised(self._scales, best, information)
+        self._kept, self._data = solution.kept, data[solution.kept]
+        self._late, self._inside = links_of(self._data)
+        # How the engine's numbers change with each parameter. Finding this takes longer than a
+        # motion, and over a posterior it changes by the share by which a parameter is uncertain,
+        # which makes an error of the gradient only.
+        self._directions = model.directions_at(solution.values, self.moving)
 
     def values(self, q: Floats) -> Floats:
         """Return all parameters for the sampler's numbers."""
-        u = self.centre + self.root @ q
-        return np.array([s.inside(x)[0] for s, x in zip(self._scales, u, strict=True)])
+        return self._scales.inside(self.centre + self.root @ q)[0]
 
     def curve(self, values: Floats) -> Floats:
         """Return the angles at the samples for the values of all parameters [rad]."""
@@ -391,13 +308,11 @@ class Density:
 
     def __call__(self, q: Floats) -> tuple[float, Floats]:
         """Return the logarithm of the density and its gradient."""
-        u = self.centre + self.root @ q
-        parts = [s.inside(x) for s, x in zip(self._scales, u, strict=True)]
-        values, slopes, logs, bends = (np.array(column) for column in zip(*parts, strict=True))
+        values, slopes, logs, bends = self._scales.inside(self.centre + self.root @ q)
         nothing = -math.inf, np.zeros(len(q))
         p = self._moving(values)
         try:
-            curve, matrix = self.found.model.with_slopes(p, self.moving, self._lines(p))
+            curve, matrix = self.found.model.with_slopes(p, self.moving, self._directions)
         except InputError:  # a law that is none: a radius beyond the length
             return nothing
         data = self._data
@@ -463,19 +378,14 @@ def sampling_module(name: str) -> Any:
         return import_extra(name, "posterior", "a posterior")
 
 
-def _standardised(guesses: Mapping[str, Guess], information: Floats) -> tuple[Floats, Floats]:
+def _standardised(scales: _Scales, best: Floats, information: Floats) -> tuple[Floats, Floats]:
     """Return the solution in numbers without bounds, and a root of their covariance."""
     sizes = np.diag(information) ** -0.5
-    centre, widths = [], []
-    for guess, sigma in zip(guesses.values(), sizes, strict=True):
-        u, width = _Scale(guess.low, guess.high).outside(guess.value, float(sigma))
-        centre.append(u)
-        widths.append(width)
+    centre, widths = scales.outside(best, sizes)
     # In units of what each number would be known to by itself.
     values, vectors = np.linalg.eigh(information * np.outer(sizes, sizes))
     floor = 1e-12 * values.max()  # below that is rounding: numbers that nothing tells apart
-    root = np.array(widths)[:, None] * vectors / np.sqrt(np.maximum(values, floor))
-    return np.array(centre), root
+    return centre, widths[:, None] * vectors / np.sqrt(np.maximum(values, floor))
 
 
 def sampled(

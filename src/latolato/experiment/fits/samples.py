@@ -82,7 +82,7 @@ def of_own_pivot(
             "from separate pivots",
             way_out="use a Pendulum for each ball",
         )
-    return table_of_ball(table, ball or 1), 1
+    return table_of_ball(table, 1 if ball is None else ball), 1
 
 
 def angles_of(
@@ -110,7 +110,7 @@ def angles_of(
         times, i, j = np.intersect1d(one.times, two.times, return_indices=True)
         sigmas = 0.5 * np.hypot(one.sigmas[i], two.sigmas[j])
         return one_series(times, 0.5 * (one.values[i] - two.values[j]), sigmas)
-    data = samples_of(table, ball or 1, start=start, end=end)
+    data = samples_of(table, 1 if ball is None else ball, start=start, end=end)
     sign = -1.0 if isinstance(system, LatoLato) and ball == 2 else 1.0
     return replace(data, values=sign * data.values)
 

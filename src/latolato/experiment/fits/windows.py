@@ -220,7 +220,7 @@ class WindowedModel:
                 allowed = Range(guess.low, guess.high)
                 size = max(abs(p[name]), 1e-3)
                 one = partial(numbers, name=name)
-                own |= slopes_of(one, p[name], size, allowed, is_quick=True)
+                own |= slopes_of(name, one, p[name], size, allowed, is_quick=True)
             directions.append(own)
         return directions
 

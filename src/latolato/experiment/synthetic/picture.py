@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -22,13 +21,8 @@ _CODES = 1 << 14
 # Length of the hand's arm and how far the fingers reach from the palm's middle, in its radii.
 _ARM, _FINGERS = 60.0, 2.3
 
-# Half the height of the post [m].
-_ENDLESS = 1e3
-
 # First column and row of a part of the picture, and those after its last.
 Box = tuple[int, int, int, int]
-# Gives how much something hides at undistorted points, and its linear colour there.
-Front = Callable[[Any, Any], tuple[Any, Any]]
 
 
 class Projection:
@@ -227,11 +221,6 @@ class Renderer:
             (middle - (_ARM + 1.0) * size, middle + _FINGERS * size),
         )
 
-    def _post_box(self) -> Box:
-        """Return the part of the picture that holds the post, which has no ends."""
-        half, post_x = 0.5 * self.scene.post_width, self.scene.post_x
-        return self._scene_box((post_x - half, post_x + half), (-_ENDLESS, _ENDLESS))
-
     def _scene_box(self, xs: tuple[float, float], ys: tuple[float, float]) -> Box:
         """Return the part of the picture that holds a rectangle of the scene [m]."""
         projection = self.projection
@@ -341,18 +330,13 @@ class Renderer:
     def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
         """Return a part of the picture with post and hand in front."""
         part = part.copy()
-        if self.scene.post_width > 0.0:
-            self._cover(part, u0, v0, self._post_box(), self._post)
+        fronts: list[Any] = [self._post] if self.scene.post_width > 0.0 else []
         if hand_x is not None:
-            self._cover(part, u0, v0, self._hand_box(hand_x), partial(self._hand, hand_x=hand_x))
+            fronts.append(partial(self._hand, hand_x=hand_x))
+        for front in fronts:
+            alpha, colour = front(*self._places(part.shape[:2], u0, v0))
+            part += alpha[..., None] * (colour - part)
         return part
-
-    def _cover(self, part: Image, u0: int, v0: int, box: Box, front: Front) -> None:
-        """Put something that is within a box in front of a part of the picture."""
-        first_u, first_v = max(box[0], u0), max(box[1], v0)
-        near = part[first_v - v0 : max(box[3] - v0, 0), first_u - u0 : max(box[2] - u0, 0)]
-        alpha, colour = front(*self._places(near.shape[:2], first_u, first_v))
-        near += alpha[..., None] * (colour - near)
 
     def _blurred(self, image: Image) -> Image:
         """Return an image blurred by the optics; its edges are continued."""

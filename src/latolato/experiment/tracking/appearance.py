@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import NamedTuple
 
 import numpy as np
 
@@ -56,29 +56,6 @@ class Colours(NamedTuple):
         return out
 
 
-class Look(Protocol):
-    """What a ball looks like, and how it is fitted to frames: see `Appearance`."""
-
-    radius: float
-    radius_sigma: float
-    exposure: float
-    is_spinning: bool
-
-    @property
-    def body(self) -> np.ndarray | None:
-        """What a ball covers that is no disc: see `latolato.experiment.tracking.template`."""
-
-    def fit(
-        self,
-        planes: tuple[np.ndarray, ...],
-        paths: list[np.ndarray],
-        pivot: np.ndarray,
-        rounds: int = 6,
-        tolerant: int = 1,
-    ) -> BallFit:
-        """Move balls from where they are expected: see `fit_balls`."""
-
-
 @dataclass
 class Appearance:
     """The layers of the image: balls that move in front of a background that does not.
@@ -86,7 +63,7 @@ class Appearance:
     Attributes
     ----------
     radius, blur : float
-        Radius of the balls and softness of their edge [pixels].
+        Radius of the balls, or half the width of other bobs, and softness of the edge [pixels].
     paint : numpy.ndarray, shape (row, column, 3)
         Linear colour of a ball about its centre.
     behind : numpy.ndarray, shape (row, column, 3)
@@ -104,8 +81,8 @@ class Appearance:
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
     variance : numpy.ndarray, shape (row, column)
         By how much more than the background's the whitened colours vary about the paint, each.
-    body : None
-        A ball is a disc.
+    body : numpy.ndarray of bool, shape (row, column), or None
+        Which part of the paint is the bob, if it is no disc.
     whiten, white_paint : numpy.ndarray
         The matrix that makes residuals white, and the paint's colours times it.
     """
@@ -122,7 +99,7 @@ class Appearance:
     radius_sigma: float = 0.0
     is_spinning: bool = False
     variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1), np.float32))
-    body: None = None
+    body: np.ndarray | None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
 
@@ -138,24 +115,27 @@ class Appearance:
             for row in self.behind:  # in place: the picture may be large
                 row[:] = row @ change
             self.whiten = whiten
-        white = self.paint @ self.whiten.T
-        self.white_paint = np.dstack([white, np.ones(white.shape[:2])]).astype(np.float32)
+        share = np.ones(self.paint.shape[:2]) if self.body is None else self.body
+        white = (self.paint @ self.whiten.T) * share[..., None]
+        self.white_paint = np.dstack([white, share]).astype(np.float32)
 
-    def fit(
-        self,
-        planes: tuple[np.ndarray, ...],
-        paths: list[np.ndarray],
-        pivot: np.ndarray,
-        rounds: int = 6,
-        tolerant: int = 1,
-    ) -> BallFit:
-        """Move balls from where they are expected: see `fit_balls`."""
-        return fit_balls(self, planes, paths, pivot, rounds, tolerant)
+    @property
+    def reach(self) -> float:
+        """How far from its centre a ball reaches [pixels]."""
+        return self.radius if self.body is None else reach_of(self.body) + 2.0 * self.blur
+
+    @property
+    def core(self) -> np.ndarray:
+        """Which part of the paint is surely the ball's, shape (row, column)."""
+        if self.body is not None:
+            return self.body
+        m = (self.paint.shape[0] - 1) // 2
+        return np.asarray(np.hypot(*(np.indices(self.paint.shape[:2]) - m)) < 0.8 * self.radius)
 
     @property
     def drawn(self) -> Ball:
         """How the kernels draw a ball, in whitened colours."""
-        return Ball(self.radius, self.blur, self.white_paint, self.variance, self.is_spinning)
+        return Ball(self.reach, self.blur, self.white_paint, self.variance, self.is_spinning)
 
     def ball(
         self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
@@ -245,7 +225,7 @@ def fit_balls(
     rounds, tolerant : int
         Most steps, and how many of them overlook large residuals to be drawn from farther away.
     """
-    margin = look.radius + 2.0 * look.blur + 0.35 * look.radius + 3.0
+    margin = 1.35 * look.reach + 2.0 * look.blur + 3.0
     everything = np.concatenate(paths)
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
@@ -260,6 +240,12 @@ def fit_balls(
     covariance = np.linalg.inv(matrix)
     cost *= every / (shape[0] * shape[1])
     return BallFit(shift, covariance, tally[:, 1] / pixels, tally[:, 2] / pixels, cost)
+
+
+def reach_of(body: np.ndarray) -> float:
+    """Return how far from its middle a body (row, column) reaches [pixels]."""
+    middle = (np.array(body.shape) - 1) / 2
+    return float(np.linalg.norm(np.argwhere(body) - middle, axis=1).max())
 
 
 def arc(pivots: np.ndarray, angles: np.ndarray, arm: float | np.ndarray) -> np.ndarray:

@@ -111,17 +111,12 @@ class Copies:
 
     def colour(self, number: int, place: np.ndarray, radius: float) -> np.ndarray:
         """Return the median colour within a radius of a place in a frame, shape (3,) [255]."""
-        part = self._around(self.pictures[number], place, radius)
-        return np.asarray(np.median(part, axis=0)) if len(part) else np.full(3, math.nan)
-
-    def _around(self, picture: np.ndarray, place: np.ndarray, radius: float) -> np.ndarray:
-        """Return the pixels of a small picture about a place, shape (pixel, 3)."""
-        u, v = self.small(place)
         reach = max(0.7 * radius / self.shrink, 0.5)
-        rows, columns = picture.shape[:2]
-        left, right = max(0, round(u - reach)), min(columns, round(u + reach) + 1)
-        top, bottom = max(0, round(v - reach)), min(rows, round(v + reach) + 1)
-        return np.asarray(picture[top:bottom, left:right].reshape(-1, 3))
+        (left, top), (right, bottom) = (
+            np.maximum(np.rint(self.small(place) + side).astype(int), 0) for side in (-reach, reach)
+        )
+        part = self.pictures[number, top : bottom + 1, left : right + 1]
+        return np.asarray(np.median(part, axis=(0, 1))) if part.size else np.full(3, math.nan)
 
 
 class Copier:
@@ -138,7 +133,7 @@ class Copier:
         self.pictures.append(small_picture(frame, self.shrink))
         if len(self.pictures) * self.pictures[0][..., 0].size > _ALL_PIXELS:
             self.shrink *= 2
-            self.pictures = [_shrunk(picture, 2) for picture in self.pictures]
+            self.pictures = [shrunk(picture, 2) for picture in self.pictures]
 
     def taken(self) -> Copies:
         """The small pictures of the frames so far; they are not kept here any longer."""
@@ -156,8 +151,8 @@ def small_picture(frame: Frame, shrink: int) -> np.ndarray:
     """
     cv2 = import_cv2()
     # The mean of squares of four is faster still.
-    luma = _shrunk(_shrunk(frame.luma, 2), shrink // 2) if shrink % 2 == 0 else frame.luma
-    luma = _shrunk(luma, shrink) if shrink % 2 else luma
+    luma = shrunk(shrunk(frame.luma, 2), shrink // 2) if shrink % 2 == 0 else frame.luma
+    luma = shrunk(luma, shrink) if shrink % 2 else luma
     rows, columns = luma.shape
     chroma = (
         np.ascontiguousarray(plane[: rows * shrink // 2, : columns * shrink // 2])
@@ -166,7 +161,7 @@ def small_picture(frame: Frame, shrink: int) -> np.ndarray:
     return np.asarray(cv2.merge([luma, *(cv2.resize(one, (columns, rows)) for one in chroma)]))
 
 
-def _shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
+def shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
     """Return the means of squares of pixels."""
     rows, columns = (side // factor for side in picture.shape[:2])
     part = np.ascontiguousarray(picture[: rows * factor, : columns * factor])

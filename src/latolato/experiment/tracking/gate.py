@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from latolato.experiment.opencv import import_cv2
+from latolato.experiment.tracking.link import extent_of
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import (
@@ -191,7 +192,7 @@ def moving_ball(track: Positions) -> Finding | None:
         places = track.centres[track.is_measured[:, ball], ball]
         if len(places) < _FEWEST:
             continue
-        extent = _extent(places)
+        extent = extent_of(places)
         if extent < max(_RESTING, _RESTING_RADII * track.radius):
             return Finding(
                 f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
@@ -305,7 +306,7 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
                 if number < len(track.times) and track.is_measured[number, ball]
             ]
         )
-        extent = _extent(own) if len(own) >= _FEWEST else math.inf
+        extent = extent_of(own) if len(own) >= _FEWEST else math.inf
         if extent < max(_RESTING, _CARRIED * far.moved):
             return Finding(
                 f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
@@ -315,22 +316,14 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
     return Finding(reason, "film on a tripod for full accuracy", False)
 
 
-def _extent(places: np.ndarray) -> float:
-    """Return how far places (place, 2) spread; the outermost may be mistakes."""
-    low, high = np.quantile(places, [0.02, 0.98], axis=0)
-    return float(np.hypot(*(high - low)))
-
-
 def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     """Check that the pixels under the ball change when it comes, and that those beside it do not.
 
     Those beside it may change too if nearly all under it do and the rest of the picture rests: the
     disc is then about a part of the ball, and the user is warned. It can miss any part of a larger
     thing that moves, a place beside the ball's centre by less than half a radius, and what happens
-    between the frames of the sample. A dot is found by what changes, and needs no such check.
+    between the frames of the sample.
     """
-    if track.is_dot:
-        return None
     numbers, shares = change_shares(sample, track)
     doubtful = np.zeros(track.is_measured.shape, bool)
     is_part = False
@@ -340,7 +333,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         if seen.sum() < _FEWEST:
             continue
         if known.sum() < max(_FEWEST, _TELLING * seen.sum()):
-            extent = _extent(track.centres[numbers[seen], ball])
+            extent = extent_of(track.centres[numbers[seen], ball])
             return Finding(
                 f"what was followed moves by {extent:.1f} pixels, too little for a disc of "
                 f"{track.radius:.0f} pixels radius to be told from the wall",

@@ -13,11 +13,11 @@ from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
-    Look,
     arc,
+    fit_balls,
 )
+from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.disc import disc_at
-from latolato.experiment.tracking.dot import Dot
 from latolato.experiment.tracking.geometry import Geometry
 from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
 from latolato.experiment.tracking.pivot import (
@@ -28,7 +28,12 @@ from latolato.experiment.tracking.pivot import (
 )
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
-from latolato.experiment.tracking.teach import Sighting, learn_exposure, learn_look
+from latolato.experiment.tracking.teach import (
+    SMALLEST_DISC,
+    Sighting,
+    learn_exposure,
+    learn_look,
+)
 from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
@@ -47,6 +52,8 @@ _FASTER = 0.3
 _PATTERN = 0.05
 # By which factor radii of the same disc may differ, and those of two measurements of it.
 _SIZE, _MEASURED = 1.5, 1.15
+# Radius, in pixels of a small picture, below which a ball may be too small for an edge.
+_SMALL = 2.0
 # How many frames in which a ball is slow show what it looks like.
 _SLOW = 7
 # They are smeared by less than this share of the radius, or these are the slowest of them.
@@ -67,8 +74,8 @@ class ImageModel:
     ----------
     pivot : PivotTracker
         Follows the pivot.
-    look : Look
-        Layers of the image, or a template of bobs that are no discs.
+    look : Appearance
+        Layers of the image.
     arm : float
         Distance from pivot to ball centre [pixels].
     balls : int
@@ -82,7 +89,7 @@ class ImageModel:
     """
 
     pivot: PivotTracker
-    look: Look
+    look: Appearance
     arm: float
     balls: int
     explained: float = 1.0
@@ -108,6 +115,7 @@ def learn_image_model(
     progress: Callable[[float], None] | None = None,
     *,
     rough_radius: float | None = None,
+    half: float | None = None,
 ) -> ImageModel:
     """The image model of a clip: background, balls and pivot.
 
@@ -125,6 +133,8 @@ def learn_image_model(
         Where the balls roughly are in all frames.
     rough_radius : float, optional
         Of the balls, from which their radius is looked for [pixels]; by default a share of the arm.
+    half : float, optional
+        Half the side of the patch about a click that shows a bob, if that is no disc [pixels].
 
     Raises
     ------
@@ -138,8 +148,11 @@ def learn_image_model(
     centres = [np.array(ball, float) for ball in balls]
     size = radius or rough_radius or 0.08 * geometry.arm(balls)
     shots: list[tuple[int, np.ndarray]] = []
-    for b, click in enumerate(balls):
-        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius)
+    dot = _dot_radius(sample, route)
+    if half is not None:
+        size, shots = half, [(0, ball) for ball in balls]
+    for b, click in enumerate(balls if half is None else []):
+        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius, dot)
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
@@ -168,8 +181,11 @@ def learn_image_model(
     if route.is_smeared:
         look.exposure = route.exposure
     scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
-    turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
-    sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
+    if half is None:
+        turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
+        sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
+    else:
+        sightings = _first_bobs(scene, frames, pivots, route, balls, medians)
     for round_ in range(_ROUNDS):
         if round_ > 0:
             sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
@@ -180,7 +196,7 @@ def learn_image_model(
                 way_out="point at the middle of the ball"
                 + (", and check radius and length" if radius else ""),
             )
-        scene.arm = learn_look(look, frames, sightings, is_first=round_ == 0, tilt=tilt)
+        scene.arm = learn_look(look, frames, sightings, medians, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
             raise InputError(
                 f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like its surroundings",
@@ -201,7 +217,7 @@ def learn_image_model(
         if progress:
             progress((round_ + 1) / _ROUNDS)
     scene.explained = float(np.median([one.explained for one in sightings]))
-    if look.is_spinning:  # a pattern may look like the wall at the edge
+    if look.is_spinning and look.body is None:  # a pattern may look like the wall at the edge
         look.radius_sigma = math.hypot(look.radius_sigma, _PATTERN * look.radius)
     return scene
 
@@ -214,7 +230,6 @@ def _first_fit(
     `turning` are the colours that turn with the rod.
     """
     look = scene.look
-    assert isinstance(look, Appearance)
 
     def fitted() -> list[Sighting]:
         first = first_sightings(scene, frames, pivots, route)
@@ -236,45 +251,66 @@ def _first_fit(
     return staying
 
 
-def learn_dot_model(
-    sample: Sample, geometry: Geometry, balls: list[np.ndarray], route: Route, radius: float
-) -> ImageModel:
-    """The image model of a clip whose balls are too small for an edge.
-
-    Parameters are those of `learn_image_model`, and the dots' radius [pixels].
-
-    Raises
-    ------
-    InputError
-        If the sample shows no ball.
-    """
-    frames = sample.from_click
-    medians = sample.medians
-    rest = [
-        np.abs(frame.luma.astype(np.int16) - medians[0])
-        for frame in frames[:: max(1, len(frames) // 8)]
+def _first_bobs(
+    scene: ImageModel,
+    frames: list[Frame],
+    pivots: np.ndarray,
+    route: Route,
+    balls: list[np.ndarray],
+    medians: tuple[np.ndarray, ...],
+) -> list[Sighting]:
+    """Return the bobs of the sample, fitted with what is different about the clicks (2,)."""
+    clicked = [
+        Sighting(0, ball, pivots[0], math.atan2(*(ball - pivots[0])), 0.0, 1.0, np.zeros(2), b)
+        for b, ball in enumerate(balls)
     ]
-    noise = 1.4826 * float(np.median(np.median(rest, axis=0)))
-    dot = Dot(medians[0], max(4.0 * noise, 4.0), radius, 0.5, route.exposure)
-    scene = ImageModel(geometry.tracker, dot, geometry.arm(balls), len(balls), tilt=geometry.tilt)
-    sightings = first_sightings(scene, frames, geometry.pivots, route)
-    if not sightings:
-        raise InputError("no dot that moves was found", way_out="point at a larger ball")
-    found = [
-        dot.middles(frames[one.frame][2:], [one.path(scene.arm, dot.exposure)], 1.0)[0]
-        for one in sightings
-    ]
-    # Of a dot that saturates, smears have more light.
-    dot.change = float(np.quantile([total for total, _ in found], 0.1))
-    scene.arm = float(
-        np.median(
-            [
-                np.hypot(*scene.tilt.flat(place - one.pivot))
-                for (_, place), one in zip(found, sightings, strict=True)
-            ]
+    scene.look.is_spinning = True
+    learn_body(scene.look, frames, clicked, medians)
+    scene.lean = _lean(route, frames[0].number, balls, pivots[0])
+    first = first_sightings(scene, frames, pivots, route)
+    found = fit_sample(scene, frames, first, pivots, tolerant=3)
+    if not any(one.frame > 1 for one in found):
+        raise InputError(
+            f"nothing like the patch at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
+            "frames",
+            way_out="point at the middle of the bob, or choose another patch",
         )
+    return found
+
+
+def _lean(route: Route, number: int, balls: list[np.ndarray], pivot: np.ndarray) -> float:
+    """Return by which angle what is pointed at is ahead of the middle of what moves [rad]."""
+    if not (0 <= number < len(route.times) and route.is_seen[number].all()):
+        return 0.0
+    own, seen = (
+        np.arctan2(*(np.array(places) - pivot).T) for places in (balls, route.places[number])
     )
-    return scene
+    return float(np.mean(np.remainder(own - seen + math.pi, math.tau) - math.pi))
+
+
+def _dot_radius(sample: Sample, route: Route) -> float:
+    """Return the radius of balls that are too small for an edge [pixels], NaN for larger ones.
+
+    It is that of a disc of as many pixels as differ by half of what the clearest one does, in
+    frames in which they are slow.
+    """
+    if not route.radius < _SMALL * max(sample.copies.shrink, 2.0):
+        return math.nan
+    behind = sample.medians[0]
+    speeds = np.linalg.norm(route.velocities[0], axis=-1)
+    seen = [
+        (float(speeds[frame.number, b]), frame, route.places[frame.number, b])
+        for frame in sample.frames
+        for b in np.flatnonzero(route.is_seen[frame.number] & np.isfinite(speeds[frame.number]))
+    ]
+    reach, radii = math.ceil(2.0 * route.radius) + 3, []
+    for _, frame, place in sorted(seen, key=lambda one: one[0])[:_SLOW]:
+        left, top = np.maximum(np.rint(place).astype(int) - reach, 0)
+        part = np.s_[top : top + 2 * reach + 1, left : left + 2 * reach + 1]
+        apart = np.abs(frame.luma[part].astype(float) - behind[part])
+        radii.append(math.sqrt(np.count_nonzero(apart > 0.5 * apart.max()) / math.pi))
+    radius = float(np.median(radii)) if radii else math.nan
+    return radius if radius < SMALLEST_DISC else math.nan
 
 
 def _discs(
@@ -286,12 +322,14 @@ def _discs(
     size: float,
     pivot: np.ndarray,
     radius: float | None,
+    dot: float,
 ) -> tuple[list[tuple[int, np.ndarray]], float]:
     """Return frames of the sample with a ball's centre in each, and its radius [pixels].
 
     They are the clicked frame, the first, unless the ball is smeared there by a quarter of its
     width, and some in which it is slow: a hand may hold it in the first. Each shows the disc of
-    the size that is declared or guessed, or of what moves there.
+    the size that is declared or guessed, or of what moves there. A `dot` is a radius too small for
+    a disc to be looked for, NaN for larger ones.
     """
     speeds = np.linalg.norm(route.velocities[0][:, ball], axis=-1)
     smears = speeds * float(np.median(np.diff(route.times))) * route.exposure
@@ -306,6 +344,8 @@ def _discs(
     slow.sort(key=lambda k: float(smears[numbers[k]]))
     sharp = [k for k in slow if smears[numbers[k]] < _SHARP * route.radius]
     slow = sharp if len(sharp) > _FEW else slow[:_FEW]
+    if math.isfinite(dot):  # it has no rim
+        return [(k, route.places[numbers[k], ball]) for k in slow], dot
     is_moving = not route.is_traced and (radius is None or _is_alike(route.radius, radius))
     found: list[tuple[int, np.ndarray, float, float]] = []
     if 0 not in seen or smears[numbers[0]] < 0.5 * route.radius or not slow:
@@ -424,7 +464,7 @@ def fit_sample(
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
             paths = [one.path(scene.arm, look.exposure) for one in group]
-            fit = look.fit(frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
+            fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]
                 away = one.centre - one.pivot

@@ -115,10 +115,15 @@ class Trajectory:
             return np.asarray(ways >= _FAST * np.nanquantile(ways, 0.95))
 
     @property
-    def extent(self) -> np.ndarray:
-        """Width and height of what it passes, but for a fiftieth at each end [pixels]."""
-        low, high = np.quantile(self.places[self.is_seen], [0.02, 0.98], axis=0)
-        return np.asarray(high - low)
+    def extent(self) -> float:
+        """How far it spreads: see `extent_of` [pixels]."""
+        return extent_of(self.places[self.is_seen])
+
+
+def extent_of(places: np.ndarray) -> float:
+    """Return the diagonal of what places (place, 2) span, but for a fiftieth at each end."""
+    low, high = np.quantile(places, [0.02, 0.98], axis=0)
+    return float(np.hypot(*(high - low)))
 
 
 def are_alike(first: Trajectory, other: Trajectory) -> bool:

@@ -58,19 +58,26 @@ def first_paint(
     shots: list[tuple[Frame, np.ndarray, float]], colours: Colours, radius: float
 ) -> np.ndarray:
     """Return the typical colours of balls: frame, centre and turn of each [pixels, rad]."""
-    each = [painted(frame, at, turn, colours, radius, 0.88 * radius) for frame, at, turn in shots]
+    each = [
+        painted(frame[2:], at, turn, colours, radius, 0.88 * radius) for frame, at, turn in shots
+    ]
     return filled(np.median(each, axis=0))
 
 
 def painted(
-    frame: Frame, centre: np.ndarray, turn: float, colours: Colours, radius: float, inner: float
+    planes: tuple[np.ndarray, ...],
+    centre: np.ndarray,
+    turn: float,
+    colours: Colours,
+    radius: float,
+    inner: float,
 ) -> np.ndarray:
-    """Return the colours about a centre, turned back; NaN beyond `inner`."""
+    """Return the colours of planes about a centre, turned back; NaN beyond `inner`."""
     half = int(np.ceil(1.3 * radius)) + 2
     reach = int(1.5 * half) + 2
     corner = np.floor(centre).astype(int) - reach
     side = 2 * reach + 2
-    image = np.nan_to_num(colours.window(frame[2:], corner, (side, side)))
+    image = np.nan_to_num(colours.window(planes, corner, (side, side)))
     j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
     x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
     y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
@@ -84,7 +91,7 @@ def learn_background(
     look: Appearance, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
 ) -> None:
     """Learn the background again where balls hid it in much of the sample, from other frames."""
-    reach = 1.3 * look.radius + 2.0
+    reach = 1.3 * look.reach + 2.0
     discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
     count = np.zeros(look.behind.shape[:2], np.uint8)
     for own in discs:

@@ -9,7 +9,10 @@ import numpy as np
 from scipy.ndimage import binary_erosion
 
 from latolato.experiment.track_table import CLEAN, MEASURED
+from latolato.experiment.tracking.appearance import reach_of
 
+# How far a point is blurred by a lens and by the halved resolution of colour [pixels].
+_BLUR = 2.5
 # Time between frames in which balls that come to touch have met, as a share.
 _NEAR = 0.25
 # Diameters between frames from which a ball leaps, and the share of the samples that are not clean
@@ -41,8 +44,6 @@ class Positions:
         Radius of a ball [pixels].
     body : numpy.ndarray of bool, shape (row, column), or None
         What a bob covers that is no disc, about its centre as it hangs straight down.
-    is_dot : bool
-        Whether balls are dots, found by the middle of what changes.
     """
 
     times: np.ndarray
@@ -54,7 +55,6 @@ class Positions:
     flags: np.ndarray
     radius: float
     body: np.ndarray | None = None
-    is_dot: bool = False
 
     @classmethod
     def unknown(cls, times: np.ndarray, balls: int, radius: float = math.nan) -> Positions:
@@ -80,19 +80,18 @@ class Positions:
     @property
     def reach(self) -> float:
         """How far from its centre a ball reaches [pixels]."""
-        if self.body is None:
-            return self.radius
-        middle = (np.array(self.body.shape) - 1) / 2
-        return float(np.linalg.norm(np.argwhere(self.body) - middle, axis=1).max())
+        return self.radius if self.body is None else reach_of(self.body)
 
     def covers(self, away: np.ndarray, angle: float, unsure: float) -> np.ndarray:
         """Return whether places (..., 2) from a ball's centre are under it.
 
-        A disc's edge is known to `unsure` [pixels], that of a body to a
-        pixel.
+        A disc's edge is known to `unsure` [pixels], that of a body to a pixel; the smallest is as
+        large as its blur.
         """
         if self.body is None:
-            disc: np.ndarray = np.hypot(away[..., 0], away[..., 1]) < max(self.radius - unsure, 1.5)
+            disc: np.ndarray = np.hypot(away[..., 0], away[..., 1]) < max(
+                self.radius - unsure, _BLUR
+            )
             return disc
         cosine, sine = math.cos(angle), math.sin(angle)
         rows = away[..., 0] * sine + away[..., 1] * cosine

@@ -11,6 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
+from latolato.experiment.tracking.detect import shrunk
 from latolato.experiment.tracking.link import (
     Trajectory,
     are_alike,
@@ -188,7 +189,7 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     share, travel = float(track.is_seen.mean()), track.travel
     if track.is_seen.sum() < _FEWEST:
         return 0.0, math.inf
-    if travel < max(_TRAVELS * track.radius, _ALL_WAY * float(np.hypot(*track.extent))):
+    if travel < max(_TRAVELS * track.radius, _ALL_WAY * track.extent):
         return 0.0, math.inf
     some = _some(track.places)
     if pivot is None:
@@ -297,7 +298,8 @@ def _followed(
     # A third of the pairs of frames is enough, and so are coarse pictures.
     kept = [k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0]
     fold = max(1, int(first.arm / _FINE))
-    coarse = [_coarse(frames[k], fold) for k in kept]
+    # Chroma is not needed.
+    coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
     median = median_planes(coarse)[0]
     best: Orbit | None = None
     for trial in _TRIALS:
@@ -320,11 +322,3 @@ def _followed(
         if best is not None and _is_round(best):
             break
     return best
-
-
-def _coarse(frame: Frame, fold: int) -> Frame:
-    """Return a frame with its luma averaged over squares; its chroma is not needed."""
-    rows, columns = (side // fold * fold for side in frame.luma.shape)
-    parts = frame.luma[:rows, :columns].reshape(rows // fold, fold, columns // fold, fold)
-    luma = np.rint(parts.mean(axis=(1, 3))).astype(np.uint8)
-    return Frame(frame.number, frame.time, luma, luma[:2, :2], luma[:2, :2])

@@ -9,13 +9,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.experiment.calibration.hinge import CLICK
-from latolato.experiment.tracking.appearance import arc, samples_for
-from latolato.experiment.tracking.dot import Dot
+from latolato.experiment.tracking.appearance import arc, fit_balls, samples_for
 from latolato.experiment.tracking.learn import ImageModel
 from latolato.experiment.tracking.pivot import PivotFollower
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.route import Route, velocities
 from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.tracking.teach import SMALLEST_DISC
 from latolato.experiment.video import Frame, Video
 
 # Places set by hand in a frame that was read [pixels], by ball from 0 on.
@@ -23,8 +23,8 @@ Corrections = Callable[[int], Mapping[int, np.ndarray]]
 # Shares of what a ball's pixels typically explain, to be measured, and to be measured as whole; and
 # the share of them that may look more like the wall: a long smear is nearly transparent.
 _MEASURED, _WHOLE, _WALL = 0.4, 0.82, 0.5
-# The same for a ball whose pattern turns through the light, or that no one template describes
-# because it looks otherwise from frame to frame: less than this share typically looks like it.
+# The same for a dot, a ball whose pattern turns through the light, or one that no one template
+# describes because it looks otherwise from frame to frame: less than this share looks like it.
 _WHOLE_TURNING, _DESCRIBED = 0.55, 0.85
 # A ball that lies this many times farther off the curve through its neighbours than usual, away
 # from contacts, and of which less than this share is seen, is drawn aside by what hides it.
@@ -46,8 +46,9 @@ _STALE, _STALE_SHARE = 0.5, 0.05
 # Error of a centre that residuals do not show [pixels].
 _FLOOR = 0.03
 # How far from the circle, and from where it roughly is, a centre may lie, in radii; from the circle
-# also as a share of the arm, for the pivot may be a little beside the place pointed at.
-_OFF_CIRCLE, _OFF_ROUTE, _OFF_SHARE = 0.4, 1.0, 0.02
+# also as a share of the arm, for the pivot may be a little beside the place pointed at; and from
+# where it is also as a share of its smear, of which the ends are faint.
+_OFF_CIRCLE, _OFF_ROUTE, _OFF_SHARE, _OFF_SMEAR = 0.4, 1.0, 0.02, 0.25
 
 
 def refine(
@@ -111,7 +112,7 @@ class _Refiner:
         self.velocities, self.bends = np.nan_to_num(route.velocities[0]), route.velocities[1]
         self.angles = route.angles(scene.pivot.place(np.zeros(2))) + scene.lean
         self.out = Positions.unknown(sample.times, balls, scene.look.radius)
-        self.out.body, self.out.is_dot = scene.look.body, isinstance(scene.look, Dot)
+        self.out.body = scene.look.body
         self.explained, self.hidden = np.zeros((count, balls)), np.ones((count, balls))
         self.guesses = np.full((count, balls), np.nan)
         self.is_fixed = np.zeros((count, balls), bool)
@@ -169,8 +170,8 @@ class _Refiner:
             if apart < 3.3 * scene.look.radius:
                 groups = [[0, 1]]
         for group in groups:
-            fit = scene.look.fit(
-                shot.frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
+            fit = fit_balls(
+                scene.look, shot.frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
             )
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.
@@ -272,7 +273,8 @@ class _Refiner:
         """Return which balls were measured: not hidden, on the circle, where they may be."""
         scene, out = self.scene, self.out
         away = out.centres[frames] - out.pivots[frames][:, None]
-        size = max(scene.look.radius, self.route.radius)
+        smear = np.linalg.norm(self.velocities[frames], axis=-1) * scene.look.exposure
+        size = max(scene.look.radius, self.route.radius) + _OFF_SMEAR * smear * self.interval
         jump = np.abs(out.angles[frames] - self.guesses[frames]) * scene.arm / size
         seen = self.route.is_seen[frames]
         with np.errstate(invalid="ignore"):
@@ -317,7 +319,8 @@ class _Refiner:
         late = np.array(contacts)[None] - out.times[:, None]
         is_contact = ((late >= -early) & (late <= near)).any(axis=1)
         is_calm = ~((late < 0.0) & (late > -_CALM)).any(axis=1)
-        is_varied = scene.look.is_spinning or scene.explained < _DESCRIBED
+        is_dot = scene.look.radius < SMALLEST_DISC
+        is_varied = scene.look.is_spinning or scene.explained < _DESCRIBED or is_dot
         for b in range(scene.balls):
             off = off_curve(out.times, out.angles[:, b])
             usual = np.nanmedian(np.abs(off)) if np.isfinite(off).any() else 0.0

@@ -15,6 +15,7 @@ from latolato.experiment.tracking.link import (
     WEIGHTS,
     Trajectory,
     are_alike,
+    extent_of,
     link_alike,
     link_clicked,
 )
@@ -233,9 +234,9 @@ def find_route(
     is_traced = []
     for b, track in enumerate(tracks):
         traced, likeness = _traced(copies, clicks[b], number, size)
-        low, high = np.nanquantile(traced, [0.02, 0.98], axis=0)
-        stays = likeness > _SAME and bool(np.hypot(*(high - low)) < _STAYS * size)
-        stays |= not track.is_seen.any() or bool(np.hypot(*track.extent) < _STAYS * size)
+        known = traced[np.isfinite(traced[:, 0])]
+        stays = likeness > _SAME and extent_of(known) < _STAYS * size
+        stays |= not track.is_seen.any() or track.extent < _STAYS * size
         is_traced.append(stays)
         if stays:
             places[:, b] = traced

@@ -17,9 +17,9 @@ from latolato.experiment.video import Frame, Video
 
 # Width to which pictures are reduced to find the camera's motion [pixels].
 _WIDTH = 480
-# Rows and columns of tiles, each of which gives one feature, and half the size of a feature's
-# neighbourhood [pixels].
-_TILES, _HALF = (8, 12), 10
+# Most features, how far apart they are as a share of the picture's width, and half the size of a
+# feature's neighbourhood [pixels].
+_MOST, _SPREAD, _HALF = 96, 0.05, 10
 # How many times stronger than the typical place a feature must be, and how strong at least.
 _STRONG, _WEAKEST = 3.0, 1e-5
 # Fewest features that show a motion of the camera, the share of the picture that they must enclose,
@@ -143,26 +143,24 @@ class Surroundings:
         hull = cv2.convexHull(before.astype(np.float32))
         if cv2.contourArea(hull) < _ENCLOSED * size.prod():
             return None
-        for _ in range(2):
-            left = after @ matrix[:, :2].T + matrix[:, 2] - before
-            apart = np.hypot(*left.T)
-            near = apart <= max(_OUTLYING * float(np.median(apart)), _FINE)
-            matrix = _similarity(after[near], before[near])
-        left = left[near]
+        typical = float(np.median(np.hypot(*_left_over(matrix, after, before).T)))
+        finer, agreeing = cv2.estimateAffinePartial2D(
+            after, before, ransacReprojThreshold=max(_OUTLYING * typical, _FINE)
+        )
+        if finer is None:
+            return None
+        matrix, near = finer, agreeing[:, 0] > 0
+        left = _left_over(matrix, after, before)[near]
         quarters = np.array([[x, y] for x in (0.25, 0.75) for y in (0.25, 0.75)]) * size[::-1]
-        moves = quarters @ matrix[:, :2].T + matrix[:, 2] - quarters
+        moves = _left_over(matrix, quarters, quarters)
         # Compression lets parts of the picture lag, which features share: no mean over them helps.
         sigma = math.hypot(math.sqrt(float(np.mean(left**2))), _FLOOR)
         return CameraMotion(matrix, float(np.hypot(*moves.T).max()), sigma, time)
 
 
-def _similarity(places: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """Return the shift, turn and zoom that take places (place, 2) nearest to others, (2, 3)."""
-    x, y = places.T
-    one, none = np.ones_like(x), np.zeros_like(x)
-    design = np.concatenate([np.stack([x, -y, one, none], 1), np.stack([y, x, none, one], 1)])
-    a, b, c, d = np.linalg.lstsq(design, others.T.ravel(), rcond=None)[0]
-    return np.array([[a, -b, c], [b, a, d]])
+def _left_over(matrix: np.ndarray, places: np.ndarray, others: np.ndarray) -> np.ndarray:
+    """Return how far places (place, 2) that a matrix moves are from others [pixels]."""
+    return np.asarray(places @ matrix[:, :2].T + matrix[:, 2] - others)
 
 
 def reduced(frame: Frame, widest: int) -> np.ndarray:
@@ -177,24 +175,19 @@ def reduced(frame: Frame, widest: int) -> np.ndarray:
 
 
 def _features(cv2: Any, picture: np.ndarray, hidden: Sequence[Bar]) -> np.ndarray:
-    """Return the best feature of each tile that has a clear one, shape (feature, 2)."""
-    strength = cv2.cornerMinEigenVal(cv2.GaussianBlur(picture, (0, 0), 1.0), 7)
-    floor = max(_STRONG * float(np.median(strength)), _WEAKEST)
+    """Return the clearest features away from each other, shape (feature, 2)."""
+    smooth = cv2.GaussianBlur(picture, (0, 0), 1.0)
+    strength = cv2.cornerMinEigenVal(smooth, 7)
+    mask = np.zeros_like(picture)
+    inner = np.s_[_HALF:-_HALF, _HALF:-_HALF]
+    mask[inner] = strength[inner] > max(_STRONG * float(np.median(strength)), _WEAKEST)
     for bar in hidden:
         start, end = (tuple(np.rint(place).astype(int).tolist()) for place in bar[:2])
-        cv2.line(strength, start, end, 0.0, 2 * math.ceil(bar.reach))
-    rows, columns = picture.shape
-    inner = np.zeros_like(strength)
-    inner[_HALF:-_HALF, _HALF:-_HALF] = strength[_HALF:-_HALF, _HALF:-_HALF]
-    points = []
-    for i in range(_TILES[0]):
-        for j in range(_TILES[1]):
-            top, left = i * rows // _TILES[0], j * columns // _TILES[1]
-            tile = inner[top : (i + 1) * rows // _TILES[0], left : (j + 1) * columns // _TILES[1]]
-            at = np.unravel_index(int(np.argmax(tile)), tile.shape)
-            if tile[at] > floor:
-                points.append((left + at[1], top + at[0]))
-    return np.array(points, np.float32).reshape(-1, 2)
+        cv2.line(mask, start, end, 0, 2 * math.ceil(bar.reach))
+    points = cv2.goodFeaturesToTrack(
+        smooth, _MOST, 1e-6, _SPREAD * picture.shape[1], mask=mask, blockSize=7
+    )
+    return np.zeros((0, 2), np.float32) if points is None else np.asarray(points[:, 0])
 
 
 class Steadier:

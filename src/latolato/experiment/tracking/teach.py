@@ -10,11 +10,14 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
+from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.paint import filled, painted
 from latolato.experiment.video import Frame
 
+# Radius below which a ball has no edge to measure [pixels].
+SMALLEST_DISC = 3.0
 # Share of the contrast between ball and wall from which a residual is something else.
 _OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
@@ -67,15 +70,27 @@ def learn_look(
     look: Appearance,
     frames: list[Frame],
     sightings: list[Sighting],
+    medians: tuple[np.ndarray, ...],
     is_first: bool,
     tilt: Tilt,
 ) -> float:
-    """Learn radius, softness, colours and noise again from the balls; return their arm."""
+    """Learn radius, softness, colours and noise again from the balls; return their arm.
+
+    `medians` are the planes of what rests.
+    """
     good = [one for one in sightings if one.explained > _TEACHES] or sightings
     arms = [float(np.hypot(*tilt.flat(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
+    if look.body is not None:
+        learn_body(look, frames, teachers, medians)
+        _learn_noise(look, frames, good)
+        return arm
+    if look.radius < SMALLEST_DISC:  # smears are longer than it, and hide colours and edge
+        look.radius_sigma = look.blur
+        _learn_noise(look, frames, good)
+        return arm
     _learn_edge(look, frames, teachers, sightings, arm, is_first)
     _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     clear = _learn_noise(look, frames, good)
@@ -115,7 +130,7 @@ def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> 
     inner = look.radius - 1.6 * look.blur - 0.3
     return [
         painted(
-            frames[one.frame], one.centre, one.angle if look.is_spinning else 0.0, look.colours,
+            frames[one.frame][2:], one.centre, one.angle if look.is_spinning else 0.0, look.colours,
             look.radius, inner,
         )
         for one in teachers
@@ -193,7 +208,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
     for one in sightings[:: max(1, len(sightings) // _RINGS)]:
         arm = float(np.hypot(*(one.pivot - one.centre)))
         smear = 0.0 if math.isnan(one.speed) else abs(one.speed) * exposure * arm
-        half = int(1.7 * look.radius + 0.5 * smear) + 2
+        half = int(1.7 * look.reach + 0.5 * smear) + 2
         side = 2 * half + 1
         corner = np.rint(one.centre).astype(int) - half
         image = look.colours.window(frames[one.frame][2:], corner, (side, side))
@@ -206,20 +221,20 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             np.abs(dx * along[1] - dy * along[0]) < 0.5 * look.radius
         )
         beyond = away - 0.5 * smear
-        ring = (beyond > 1.15 * look.radius) & (beyond < 1.7 * look.radius) & ~is_rod
+        ring = (beyond > 1.15 * look.reach) & (beyond < 1.7 * look.reach) & ~is_rod
         if not np.isfinite(wall[ring]).any():
             continue
         outer.append((image - wall)[ring])
         rest_walls.append(np.nanmedian(wall[ring], axis=0))
         if one.explained > _TEACHES and smear < _SLOW * look.radius:
             m = (look.paint.shape[0] - 1) // 2
-            core = away < 0.8 * look.radius
+            core = away < look.reach
             turn = one.angle if look.is_spinning else 0.0
             back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
             back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
-            inner.append(image[core] - look.paint[q, p])
+            inner.append((image[core] - look.paint[q, p])[look.core[q, p]])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
@@ -235,9 +250,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         own = own[np.isfinite(own).all(axis=1)]
         squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
         own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
-    m = (look.paint.shape[0] - 1) // 2
-    j, i = np.indices(look.paint.shape[:2]) - m
-    gap = look.paint[np.hypot(i, j) < 0.8 * look.radius] - np.median(rest_walls, axis=0)
+    gap = look.paint[look.core] - np.median(rest_walls, axis=0)
     contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
     if contrast == 0.0:
         raise InputError(
@@ -316,7 +329,7 @@ def _cost_in_window(
     """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
     fit = fit_balls(look, frame[2:], [path], one.pivot)
     reach = abs(one.speed) * arm
-    margin = look.radius * 1.35 + 2.0 * look.blur + 3.0
+    margin = 1.35 * look.reach + 2.0 * look.blur + 3.0
     ends = path + fit.shift[0]
     low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
     high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)

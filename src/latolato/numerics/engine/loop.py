@@ -225,6 +225,11 @@ def make_engine(
             swing.prepare(run, i, i, h)
             if is_nonsmooth(b):
                 run.is_nonsmooth = 1
+            if sensitive:  # the derivative by a drag that is zero has the sign of the velocity
+                for p in range(run.parameters):
+                    other = run.changes[p].bodies[i]
+                    if other.quadratic != 0.0 or other.coulomb != 0.0:
+                        run.is_nonsmooth = 1
             run.now[i].angle, run.now[i].velocity = state.angle[i], state.velocity[i]
             if in_plane:
                 run.now[i].x, run.now[i].y = state.place[i, 0], state.place[i, 1]

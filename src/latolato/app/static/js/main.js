@@ -6,7 +6,7 @@ import { keep, recall } from "./page/preferences.js";
 import { speakInPage } from "./page/language.js";
 import { actingLink } from "./page/links.js";
 import { Messages, sayOffline } from "./page/messages.js";
-import { AddressStore, format, isReadable, parse } from "./page/state.js";
+import { Store, format, isReadable, parse } from "./page/state.js";
 import { t } from "./strings.js";
 
 /** @typedef {import("./page/state.js").Page} Page */
@@ -195,7 +195,7 @@ async function keepOffline() {
 document.documentElement.dataset.theme = recall(THEME) ?? "auto";
 // What checks the parts of a link comes with the registry, where there are any.
 const linkParts = location.search ? import("./page/link_parts.js") : null;
-const store = new AddressStore(window);
+const store = new Store(window);
 // An address of the view that the report has replaced: it named a figure.
 const figure = store.state.extra["paper.figure"] ?? "";
 if (store.state.view === "paper") store.amend({ view: "report", extra: {} }, "preset");

@@ -9,7 +9,8 @@ import numpy as np
 from latolato.experiment.tracking.kernels.jit import jit
 from latolato.experiment.tracking.kernels.layers import Ball, Patch, cover, normal_equations
 
-# Steps below this are the last [pixels]; longer ones than this share of the radius are cut.
+# Steps below this are the last [pixels]; longer ones than this share of the smear's half length are
+# cut.
 _CONVERGED, _LONGEST = 0.05, 0.3
 
 
@@ -87,7 +88,11 @@ def settle(
         for b in range(balls):
             across, down = vector[2 * b], vector[2 * b + 1]
             length = math.sqrt(across**2 + down**2)
-            part = min(1.0, _LONGEST * ball.radius / max(length, 1e-12))
+            smear = 0.0
+            for c in range(2):
+                smear += (paths[b][len(paths[b]) - 1, c] - paths[b][0, c]) ** 2
+            reach = ball.radius + 0.5 * math.sqrt(smear)
+            part = min(1.0, _LONGEST * reach / max(length, 1e-12))
             shift[b, 0] += part * across
             shift[b, 1] += part * down
             largest = max(largest, abs(part * across), abs(part * down))

@@ -1,11 +1,10 @@
 /** Analyse: one analysis of the system and drive of all views, and its result. */
 
-import { askJson, newest, Offline, Refusal } from "../page/api.js";
+import { askJson, Offline, Refusal } from "../page/api.js";
 import { el, freshId } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { fileOf, JobLine } from "../page/jobs.js";
 import { openLink } from "../page/links.js";
-import { withOptions } from "../page/option_texts.js";
 import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
@@ -15,7 +14,6 @@ import { ENGLISH, t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
 import { openOverMap } from "./over_map.js";
-import { PointRun } from "./point.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {{title: string, summary: string, notes: string, reading: string, first: string[],
@@ -45,7 +43,6 @@ export class AnalyseView {
     this.isOpening = false;
     this.own = new ArgumentForm(page.registry, (changes) => this.keep(changes));
     this.job = new JobLine();
-    this.point = new PointRun(page, (request) => page.store.set(request));
     this.presets = presetField(page);
     const id = freshId();
     this.select = el("select", { id, on: { change: () => this.setExtra({ [WHAT]: this.select.value }) } });
@@ -74,7 +71,8 @@ export class AnalyseView {
         el("details", { class: "card laws" }, el("summary", {}, t("lawsOfAnalysis")), laws)),
       el("div", { class: "main" }, el("section", { class: "card" }, this.notice, this.title, this.of),
         this.answer));
-    this.refresh = newest(() => this.look());
+    /** Counts what was asked of the server: an older answer is not shown. */
+    this.turn = 0;
     /** @type {() => void} */
     this.unsubscribe = () => {};
   }
@@ -101,21 +99,22 @@ export class AnalyseView {
     this.unsubscribe = this.page.store.subscribe((_, changed) => {
       if (changed === "extra") return;
       clearTimeout(this.timer);
-      this.timer = window.setTimeout(() => this.refresh(null), changed === "options" ? PAUSE : 0);
+      this.timer = window.setTimeout(() => void this.look(), changed === "options" ? PAUSE : 0);
     });
-    this.refresh(null);
+    void this.look();
   }
 
   hide() {
     this.unsubscribe();
     clearTimeout(this.timer);
     this.job.stop();
-    this.point.rest();
   }
 
   /** Read what the server says about the system and drive, and show the fields. */
   async look() {
     const { registry } = this.page;
+    this.turn += 1;
+    const { turn } = this;
     try {
       if (!Object.keys(this.analyses).length) {
         this.analyses = await askJson("api/analyses");
@@ -124,13 +123,15 @@ export class AnalyseView {
           ...Object.entries(this.analyses).map(([value, { title }]) => el("option", { value }, title)));
       }
       const about = await askJson("api/analyses/about", this.request);
+      if (turn !== this.turn) return;
       for (const each of Object.values(about.parameters)) each.label = tr(each.label);
       this.about = about;
     } catch (error) {
       if (!(error instanceof Error)) throw error;
+      if (turn !== this.turn) return;
       if (error instanceof Offline) {
         this.notify(t("offline"));
-        this.timer = window.setTimeout(() => this.refresh(null), RETRY);
+        this.timer = window.setTimeout(() => void this.look(), RETRY);
         return;
       }
       const [text, field] = inPagesWords(registry, error instanceof Refusal && error.input || error);
@@ -187,8 +188,6 @@ export class AnalyseView {
     this.asked = "";
     delete this.root.dataset.answered;
     this.answer.classList.remove("stale");
-    this.point.rest();
-    this.point.root.hidden = true;
     const { scenario, options } = this.page.store.state;
     const row = (/** @type {[string, Analysis]} */ [name, { title, summary }]) => [
       el("dt", {}, openLink(this.page, { view: "analyse", scenario, options, extra: { [WHAT]: name } }, title)),
@@ -248,15 +247,9 @@ export class AnalyseView {
       return;
     }
     const { words } = this.own;
-    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words), (values, said) =>
-      void this.point.show({ scenario: question.scenario,
-        options: withOptions(this.page.registry, question.options, values) }, "initial_angle" in values
-        ? t("pointSaid", { values: said }) : t("pointSaidStart", { values: said })));
+    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words));
     if (question.analysis === CURVE) answer.actions.append(el("button", { type: "button", on: {
       click: () => void this.showOverMap(block) } }, t("showOverMap")));
-    this.point.rest();
-    this.point.root.hidden = true;
-    answer.after.append(this.point.root);
     this.answer.replaceChildren(answer.root);
     // On a phone it comes below the form.
     if (this.answer.getBoundingClientRect().top > window.innerHeight) this.answer.scrollIntoView();

@@ -50,7 +50,7 @@ export class Desk {
    * @param {Follow} follow
    */
   job(request, follow) {
-    return doJob("ws/experiment", { desk: this.hello?.desk, ...request }, follow);
+    return doJob("ws/experiment", request, follow);
   }
 
   /**

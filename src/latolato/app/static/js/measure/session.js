@@ -11,24 +11,42 @@ import { Track } from "./track.js";
 
 /** @typedef {import("./handles.js").HandlePlace} HandlePlace */
 /**
- * @typedef {{id: number, key: string, name: string, epoch: number, file: File | null, url: string,
- *   about: {width: number, height: number, frames: number, duration: number,
- *     clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean},
- *     proposal: {pivot: number[] | null, balls: number[][], radius: number,
- *       click_frame: number} | null} | null, sheet: import("./sheet.js").Sheet | null, decimal: string, code: string[],
- *   times: ArrayLike<number>, clickFrame: number, first: number | null, last: number | null,
- *   hasRegion: boolean, hasStick: boolean, shape: string,
- *   corrections: {frame: number, ball: number, u: number, v: number}[],
- *   places: Record<string, HandlePlace>, proposed: Record<string, HandlePlace>, radius: number,
- *   hasPivot: boolean, isPivotOutside: boolean, hasBalls: boolean, isProposed: boolean, truth: Record<string, number>,
- *   track: Track | null, finding: (string | import("../model/rules.js").Sentence)[],
- *   answer: {name: string, value: number, sigma: number, units: string,
- *     given?: Record<string, number>}[],
- *   fits: Record<string, any>, warnings: string[], noTrial: string | null, error: string | null,
- *   field: string | null, stage: string | null, share: number,
- *   mode: "setup" | "result",
- *   cancel: () => void, files: Set<string>, tracked: number}} Clip
+ * @typedef {{width: number, height: number, frames: number, duration: number,
+ *   clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean},
+ *   proposal: {pivot: number[] | null, balls: number[][], radius: number, click_frame: number} | null}} About
+ * @typedef {{name: string, value: number, sigma: number, units: string,
+ *   given?: Record<string, number>}} Answer
  */
+/** @typedef {ReturnType<typeof newClip>} Clip */
+
+/**
+ * Return a video or a table that is on its way.
+ * @param {number} id
+ * @param {string} name
+ * @param {File | null} file null for an example
+ */
+function newClip(id, name, file) {
+  return { id, name, file, key: "", epoch: 0, url: "",
+    /** What the server saw in a video, or recognised in a table. */
+    about: /** @type {About | null} */ (null), sheet: /** @type {import("./sheet.js").Sheet | null} */ (null),
+    times: /** @type {ArrayLike<number>} */ ([0]), radius: 0,
+    hasPivot: false, hasBalls: false, proposed: /** @type {Record<string, HandlePlace>} */ ({}),
+    /** What somebody chose. */
+    decimal: "", clickFrame: 0, first: /** @type {number | null} */ (null),
+    last: /** @type {number | null} */ (null), hasRegion: false, hasStick: false, shape: "disc",
+    isPivotOutside: false, isProposed: true, places: /** @type {Record<string, HandlePlace>} */ ({}),
+    corrections: /** @type {{frame: number, ball: number, u: number, v: number}[]} */ ([]),
+    /** What came of it. */
+    mode: /** @type {"setup" | "result"} */ ("setup"), tracked: 0, track: /** @type {Track | null} */ (null),
+    finding: /** @type {(string | import("../model/rules.js").Sentence)[]} */ ([]),
+    answer: /** @type {Answer[]} */ ([]), fits: /** @type {Record<string, any>} */ ({}),
+    warnings: /** @type {string[]} */ ([]), noTrial: /** @type {string | null} */ (null),
+    code: /** @type {string[]} */ ([]), files: /** @type {Set<string>} */ (new Set()),
+    truth: /** @type {Record<string, number>} */ ({}),
+    /** How far work is, and what went wrong. */
+    stage: /** @type {string | null} */ (null), share: 0, cancel: () => {},
+    error: /** @type {string | null} */ (null), field: /** @type {string | null} */ (null) };
+}
 
 export class Session {
   /** @param {() => void} changed called at every change */
@@ -60,21 +78,10 @@ export class Session {
    * Return a clip that is on its way.
    * @param {string} name
    * @param {File | null} file
-   * @returns {Clip}
    */
   begin(name, file) {
     this.count += 1;
-    /** @type {Clip} */
-    const clip = { id: this.count, key: "", name, epoch: 0, file, url: "", about: null, sheet: null,
-      decimal: "", code: [], times: [0],
-      clickFrame: 0, first: null, last: null, hasRegion: false, hasStick: false, shape: "disc",
-      corrections: [], places: {},
-      proposed: {}, radius: 0, hasPivot: false, isPivotOutside: false, hasBalls: false,
-      isProposed: true, truth: {},
-      track: null, finding: [], answer: [], fits: {},
-      warnings: [], noTrial: null, error: null, field: null, stage: null, share: 0,
-      mode: "setup",
-      cancel: () => {}, files: new Set(), tracked: 0 };
+    const clip = newClip(this.count, name, file);
     this.clips.push(clip);
     this.clip = clip;
     return clip;
@@ -152,7 +159,7 @@ export class Session {
   async example(kind) {
     const clip = this.begin(t(`example_${kind}`), null);
     const block = await this.work(clip, (follow) =>
-      this.desk.job({ do: "example", kind }, follow));
+      this.desk.job({ do: "example", kind, desk: this.desk.hello?.desk }, follow));
     if (!block) return null;
     clip.key = block.about.clip;
     clip.epoch = this.desk.epoch;
@@ -174,7 +181,7 @@ export class Session {
       return;
     }
     clip.about = about;
-    clip.times = inner(block, "times").arrays.time;
+    clip.times = block.arrays.time;
     if (!clip.url) clip.url = await clipCopy(clip.key, "copy.mp4");
     const { proposal, width, height } = about;
     clip.hasPivot = Boolean(proposal?.pivot);
@@ -280,8 +287,7 @@ export class Session {
     if (clip.url) URL.revokeObjectURL(clip.url);
     this.changed();
     if (!this.isKept(clip)) return;
-    const rest = await askJson("api/experiment/remove",
-      { desk: this.desk.hello?.desk, clip: clip.key }).catch(() => null);
+    const rest = await askJson("api/experiment/remove", { clip: clip.key }).catch(() => null);
     if (rest) this.trials = rest.trials;
     this.changed();
   }

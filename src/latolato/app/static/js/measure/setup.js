@@ -18,8 +18,6 @@ const SIZES = ["patch", "stick_length"];
 // What a table needs that has frames and no time, or places without a pivot.
 const PIVOT = ["pivot_x", "pivot_y"];
 const OF_TABLE = ["frame_rate", ...PIVOT];
-/** What decimal signs are called; without one, the reader of tables finds it. */
-const SIGNS = { "": "found", ".": "point", ",": "comma" };
 const NAMES = [...FIRST, ...SIZES, ...REST, ...CAMERA, ...OF_TABLE];
 
 export class Setup {
@@ -28,7 +26,6 @@ export class Setup {
    * @param {Record<string, any>} fields as the server describes them
    * @param {{changed: () => void, count: (balls: number) => void, track: () => void,
    *   mode: (mode: "setup" | "result") => void, reset: () => void, cancel: () => void,
-   *   outside: (isOutside: boolean) => void,
    *   tool: (change: Partial<import("./session.js").Clip>) => void,
    *   sheet: (change: Partial<import("./sheet.js").Sheet>) => void,
    *   sign: (decimal: string) => void}} on
@@ -74,64 +71,49 @@ export class Setup {
     const { units, prefixes } = page.registry;
     this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: fields }, own);
     this.isReady = false;
-    const id = freshId();
-    this.count = el("select", { id, on: { change: () => on.count(Number(this.count?.value)) } },
-      ...[1, 2].map((n) => el("option", { value: String(n) }, String(n))));
-    const outside = el("input", { type: "checkbox",
-      on: { change: () => on.outside(outside.checked) } });
-    this.outside = outside;
-    this.unseen = el("label", { class: "check" }, outside, t("pivotOutside"));
     const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name], true);
-    const shapeId = freshId();
-    const shape = el("select", { id: shapeId,
-      on: { change: () => on.tool({ shape: shape.value }) } },
-      ...["disc", "template"].map((name) => el("option", { value: name }, t(`shape_${name}`))));
-    this.shape = shape;
-    const check = (/** @type {"hasRegion" | "hasStick"} */ name) => {
-      const box = el("input", { type: "checkbox",
-        on: { change: () => on.tool({ [name]: box.checked }) } });
-      return box;
+    const choice = (/** @type {string} */ label, /** @type {Record<string, string>} */ texts,
+      /** @type {(value: string) => void} */ change) => {
+      const id = freshId();
+      const select = el("select", { id, on: { change: () => change(select.value) } },
+        ...Object.entries(texts).map(([value, text]) => el("option", { value }, text)));
+      return { select, field: el("div", { class: "field choice" },
+        el("label", { for: id }, t(label)), select) };
     };
-    this.hasRegion = check("hasRegion");
-    this.hasStick = check("hasStick");
+    const check = (/** @type {string} */ label, /** @type {(isOn: boolean) => void} */ change) => {
+      const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
+      return { box, field: el("label", { class: "check" }, box, t(label)) };
+    };
+    this.count = choice("ballCount", { 1: "1", 2: "2" }, (balls) => on.count(Number(balls)));
+    this.outside = check("pivotOutside", (isPivotOutside) => on.tool({ isPivotOutside }));
+    this.shape = choice("shape", { disc: t("shape_disc"), template: t("shape_template") },
+      (shape) => on.tool({ shape }));
+    this.hasRegion = check("hasRegion", (hasRegion) => on.tool({ hasRegion }));
+    this.hasStick = check("hasStick", (hasStick) => on.tool({ hasStick }));
     this.patch = fieldOf("patch");
     this.stickLength = fieldOf("stick_length");
-    const tools = [
-      el("div", { class: "field choice" }, el("label", { for: shapeId }, t("shape")), shape),
-      this.patch, el("label", { class: "check" }, this.hasStick, t("hasStick")), this.stickLength,
-      el("label", { class: "check" }, this.hasRegion, t("hasRegion"))];
-    const choice = (/** @type {"angleFrom" | "decimal"} */ name,
-      /** @type {Record<string, string>} */ words,
-      change = (/** @type {string} */ value) => on.sheet({ [name]: value })) => {
-      const own = freshId();
-      const select = el("select", { id: own, on: { change: () => change(select.value) } },
-      ...Object.entries(words).map(([value, word]) =>
-        el("option", { value }, t(`${name}_${word}`))));
-      return { select, field: el("div", { class: "field choice" },
-        el("label", { for: own }, t(name)), select) };
-    };
-    this.angleFrom = choice("angleFrom", { down: "down", right: "right" });
-    this.decimal = choice("decimal", SIGNS);
+    this.angleFrom = choice("angleFrom", { down: t("angleFrom_down"), right: t("angleFrom_right") },
+      (angleFrom) => on.sheet({ angleFrom }));
+    // Without a sign, the reader of tables finds it.
+    const signs = { "": t("decimal_found"), ".": t("decimal_point"), ",": t("decimal_comma") };
+    this.decimal = choice("decimal", signs, (decimal) => on.sheet({ decimal }));
     // Beside the refusal of a file that leaves it open.
-    this.sign = choice("decimal", SIGNS, on.sign);
-    const yDown = el("input", { type: "checkbox",
-      on: { change: () => on.sheet({ yAxis: yDown.checked ? "down" : "up" }) } });
-    this.yDown = { box: yDown, field: el("label", { class: "check" }, yDown, t("yDown")) };
+    this.sign = choice("decimal", signs, on.sign);
+    this.yDown = check("yDown", (isDown) => on.sheet({ yAxis: isDown ? "down" : "up" }));
     this.rate = fieldOf("frame_rate");
     this.pivot = el("div", { class: "fields" }, el("p", { class: "hint" }, t("pivotHint")),
       ...PIVOT.map(fieldOf));
-    const balls = el("div", { class: "field choice" }, el("label", { for: id }, t("ballCount")),
-      this.count);
-    const camera = el("div", { class: "fields" }, ...tools, ...CAMERA.map(fieldOf));
+    const camera = el("div", { class: "fields" }, this.shape.field, this.patch, this.hasStick.field,
+      this.stickLength, this.hasRegion.field, ...CAMERA.map(fieldOf));
     const scale = el("p", { class: "hint" }, t("scaleHint"));
     this.sheetScale = el("p", { class: "hint" }, t("sheetScaleHint"));
     const quantities = el("div", { class: "fields", on: { change: () => this.tellWrong() } },
-      balls, this.rate, this.pivot, this.angleFrom.field, this.yDown.field,
+      this.count.field, this.rate, this.pivot, this.angleFrom.field, this.yDown.field,
       ...FIRST.map(fieldOf), scale, this.sheetScale, this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
         el("div", { class: "fields" }, camera, ...REST.map(fieldOf), this.decimal.field)));
     /** What only videos have. */
-    this.ofVideo = [balls, camera, scale];
+    this.ofVideo = [this.count.field, camera, scale];
     const button = (/** @type {string} */ name, /** @type {() => void} */ click,
       /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
       on: { click } }, t(name));
@@ -147,7 +129,7 @@ export class Setup {
     this.stage = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
     this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
-    this.body = el("div", { class: "fields" }, this.notice, this.unseen, this.clock, this.hint,
+    this.body = el("div", { class: "fields" }, this.notice, this.outside.field, this.clock, this.hint,
       quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
@@ -180,13 +162,13 @@ export class Setup {
     this.notice.textContent = t(clip.hasPivot ? "setupFound"
       : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
     this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside || sheet !== null;
-    this.unseen.hidden = !isSetup || sheet !== null;
+    this.outside.field.hidden = !isSetup || sheet !== null;
     for (const part of this.ofVideo) part.hidden = sheet !== null;
     this.showSheet(sheet, isSetup);
-    this.outside.checked = clip.isPivotOutside;
-    this.shape.value = clip.shape;
-    this.hasRegion.checked = clip.hasRegion;
-    this.hasStick.checked = clip.hasStick;
+    this.outside.box.checked = clip.isPivotOutside;
+    this.shape.select.value = clip.shape;
+    this.hasRegion.box.checked = clip.hasRegion;
+    this.hasStick.box.checked = clip.hasStick;
     this.patch.hidden = clip.shape === "disc";
     this.stickLength.hidden = !clip.hasStick;
     this.clock.textContent = clockText(clip.about?.clock);
@@ -199,7 +181,7 @@ export class Setup {
     this.sign.select.value = sheet?.decimal ?? clip.decimal;
     // It begins with the name of a file.
     this.failed.textContent = isOwn ? "" : withLabels(clip.error ?? "", this.fields);
-    if (this.count) this.count.value = clip.places.ball_2 ? "2" : "1";
+    this.count.select.value = clip.places.ball_2 ? "2" : "1";
   }
 
   /**

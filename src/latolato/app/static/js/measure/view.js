@@ -103,9 +103,16 @@ export class MeasureView {
     for (const file of event.dataTransfer?.files ?? []) void this.session.add(file);
   }
 
-  /** Draw everything that depends on the session. */
+  /** Draw everything that depends on the session; the focus stays in the view. */
   update() {
     if (!this.session) return;
+    const held = this.root.contains(document.activeElement) ? document.activeElement : null;
+    this.draw();
+    if (held && !isUsable(held)) [this.setup?.cancel, this.setup?.track, this.setup?.again,
+      this.drop.querySelector("input")].find((each) => each && isUsable(each))?.focus();
+  }
+
+  draw() {
     const { desk, clip } = this.session;
     if (desk.hello && !this.setup) this.build(desk.hello);
     const state = clip?.stage ?? clip?.mode ?? "empty";
@@ -174,7 +181,6 @@ export class MeasureView {
       mode: (mode) => this.mode(mode),
       reset: () => this.asProposed(),
       cancel: () => this.session.clip?.cancel(),
-      outside: (isOutside) => this.changed({ isPivotOutside: isOutside }),
       tool: (change) => this.changed(change),
       sheet: (change) => this.sheetChanged(change),
       sign: (decimal) => this.signed(decimal),
@@ -220,7 +226,7 @@ export class MeasureView {
     this.resized();
     this.place();
     this.curves.root.hidden = !track;
-    if (track) draw(this.curves, track);
+    if (track) show(this.curves, track);
     this.updateCards(track ? clip : null);
   }
 
@@ -234,7 +240,7 @@ export class MeasureView {
     this.curves.root.hidden = true;
     if (track) {
       this.graph.clock.end = track.end;
-      draw(this.graph, track);
+      show(this.graph, track);
       this.graph.clock.seek(this.graph.clock.time);
     }
     this.updateCards(track ? clip : null);
@@ -412,6 +418,14 @@ export class MeasureView {
 }
 
 /**
+ * Return whether an element can have the focus.
+ * @param {Element} element
+ */
+function isUsable(element) {
+  return element.checkVisibility() && !element.matches(":disabled");
+}
+
+/**
  * Return a text that changes with what is drawn of a clip.
  * @param {Clip} clip
  */
@@ -424,7 +438,7 @@ function signatureOf({ id, mode, tracked, fits, stage }) {
  * @param {Curves} curves
  * @param {import("./track.js").Track} track
  */
-function draw(curves, track) {
+function show(curves, track) {
   curves.panels = panelsOf(track);
   curves.show(/** @type {any} */ (track));
 }

@@ -25,10 +25,6 @@ const SAMPLES_PER_PERIOD = 100;
 const MOST_THINNED = 3000;
 const MOST_DEFAULT_SAMPLES = 20_000_000;
 const MOST_STEPS = 1e9;
-// So many steps take some seconds at most.
-const QUICK_STEPS = 2e6;
-// Of a longer run so many steps are timed.
-const TIMED_STEPS = 50_000;
 export const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "noise_work",
   "retension_loss"];
 // Of the samples: an angle and its velocity for each ball.
@@ -54,30 +50,6 @@ export function run(each, mostSamples = Infinity, stretch = null) {
   } finally {
     kernels.release(first);
   }
-}
-
-/**
- * Return how long a case takes here [s], by the speed of its first steps; 0 if that is some seconds
- * at most. A motion that slows down later, as one of many more contacts, takes longer.
- * @param {Case} each
- */
-export function secondsOf(each) {
-  const { kernels, drive, duration } = each;
-  const first = kernels.take("f8", 0);
-  const segments = shake(kernels, drive.kind, drive.parameters);
-  const { run: record } = begin(kernels, recordOf(each, 0), segments);
-  const steps = duration / kernels.get(record, "settings.step");
-  kernels.release(first);
-  // Beyond the most steps, the run itself refuses.
-  if (!(steps > QUICK_STEPS && steps <= MOST_STEPS)) return 0;
-  const end = (duration * TIMED_STEPS) / steps;
-  // The first time, the browser may still improve the code.
-  const times = [0, 1].map(() => {
-    const begun = performance.now();
-    run({ ...each, duration: end, times: evenly(end, 2) });
-    return performance.now() - begun;
-  });
-  return (Math.min(...times) / 1000) * (steps / TIMED_STEPS);
 }
 
 /**

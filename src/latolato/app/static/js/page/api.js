@@ -27,10 +27,6 @@ export class Refusal extends Error {
 export class Offline extends Error {}
 
 /**
- * @typedef {{scenario?: string | null, options: Record<string, any>}} RunRequest
- */
-
-/**
  * The server's response to JSON; a refused request throws a Refusal.
  * @param {string} path
  * @param {any} [body] without it the request is a GET
@@ -69,34 +65,6 @@ export async function askJson(path, body) {
  */
 export async function askBlock(path, body, signal) {
   return unpack(await (await ask(path, body, signal)).arrayBuffer());
-}
-
-/**
- * Return a function that runs `work` with the newest value it was called with: one at a time,
- * whatever came between is left out.
- * @template T
- * @param {(value: T) => Promise<void>} work
- * @returns {(value: T) => void}
- */
-export function newest(work) {
-  let busy = false;
-  /** @type {{value: T} | null} */
-  let waiting = null;
-  const run = async (/** @type {T} */ value) => {
-    busy = true;
-    try {
-      await work(value);
-    } finally {
-      busy = false;
-      const next = waiting;
-      waiting = null;
-      if (next) void run(next.value);
-    }
-  };
-  return (value) => {
-    if (busy) waiting = { value };
-    else void run(value);
-  };
 }
 
 /**

@@ -4,7 +4,7 @@ import { splitQuantity } from "../model/units.js";
 import { ENGLISH, t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
-import { unitPreferences } from "./preferences.js";
+import { keep, recall } from "./preferences.js";
 import { localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */
@@ -20,6 +20,8 @@ import { localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 const COARSE = 4;
 // Ends of sliders are round numbers up to so much of a step.
 const ROUNDING = 1e-6;
+// What the browser calls the unit that was chosen last for an option.
+const UNIT = "latolato.unit.";
 /** A key moves a knob by this share of its slider. */
 const KEY_STEP = 0.01;
 
@@ -49,9 +51,8 @@ export class Knob {
     this.chosen = "";
     /** In SI units, null for a text that is no single quantity. @type {number | null} */
     this.value = null;
-    /** Whether a text is typed and not yet taken, and the text that was taken as it was typed. */
+    /** Whether a text is typed and not yet taken. */
     this.isDraft = false;
-    this.taken = "";
     /** Whether what is typed was refused, and the text that was shown before. */
     this.isRefused = false;
     /** @type {string | null} */
@@ -71,7 +72,7 @@ export class Knob {
     this.units = several ? el("select", { "aria-label": t("unitOf", { name: label }), on: {
       change: () => {
         this.chosen = /** @type {HTMLSelectElement} */ (this.units).value;
-        unitPreferences.keep(name, this.chosen);
+        keep(UNIT + name, this.chosen);
         if (this.value !== null) this.show(this.value);
         unitChosen?.();
       } } }, ...option.units.map((each) => el("option", { value: each.name }, shownUnit(each.name))))
@@ -94,8 +95,8 @@ export class Knob {
   /** The unit on show. @returns {Unit} */
   get unit() {
     const { units } = this.option;
-    const named = (/** @type {string | undefined} */ name) => units.find((u) => u.name === name);
-    return this.only ?? named(this.chosen) ?? named(unitPreferences.all[this.name]) ?? units[0]
+    const named = (/** @type {string | null} */ name) => units.find((u) => u.name === name);
+    return this.only ?? named(this.chosen) ?? named(recall(UNIT + this.name)) ?? units[0]
       ?? { name: "", size: 1 };
   }
 
@@ -159,30 +160,28 @@ export class Knob {
    * @param {boolean} [isOwn] whether the user gave it
    */
   read(text, isOwn = false) {
-    const isTyping = isFocused(this.input);
     // What was refused stays with its error, whatever else changes, until there is another value.
     if (this.isRefused && text === this.seen) return;
     // Units of later texts come from elsewhere on the page: this field keeps its own.
     const isFirst = this.seen === null;
     this.seen = text;
     this.forget();
-    if (text === null) {
-      if (!isTyping) this.input.value = "";
-      return;
-    }
+    const given = text ?? "";
     const { units } = this.option;
-    const { number = "", unit = "" } = splitQuantity(text) ?? {};
+    const { number = "", unit = "" } = splitQuantity(given) ?? {};
     // A number of more digits than are shown was computed: nobody chose its unit.
     const isTyped = Number(short(Number(number), this.digits)) === Number(number);
     if (isFirst && !this.chosen && isOwn && isTyped && units.some((u) => u.name === unit)) this.chosen = unit;
+    const isSingle = !/[,:]/.test(given);
+    this.value = isSingle ? this.valueOf(given) : null;
+    if (this.value !== null) {
+      this.show(this.value);
+      return;
+    }
     if (this.units) this.units.value = this.unit.name;
-    const isSingle = !/[,:]/.test(text);
-    this.value = isSingle ? this.valueOf(text) : null;
+    if (!this.isTyping) this.input.value = isSingle ? given
+      : shownNumbers(given, { registry: this.registry, unit: this.option.unit, usual: this.unit });
     this.place();
-    if (isTyping && (this.isDraft || text === this.taken)) return;
-    if (this.value !== null) this.show(this.value);
-    else this.input.value = isSingle ? text
-      : shownNumbers(text, { registry: this.registry, unit: this.option.unit, usual: this.unit });
   }
 
   /** Put the slider where the value is. */
@@ -237,14 +236,12 @@ export class Knob {
     const wrong = problem ?? values.map((each) => this.problemWith(each)).find((each) => each) ?? null;
     const value = values.length === 1 ? values[0] : null;
     if (wrong === null && (value === null || this.reaches(value))) {
-      this.taken = text;
       this.forget();
       const { unit: typed = "" } = splitQuantity(text) ?? {};
       this.chosen = option.units.find(({ name }) => [name, shownUnit(name)].includes(typed))?.name ?? this.chosen;
       if (this.units) this.units.value = this.unit.name;
-      // A comma has become a point, or what this language writes.
-      if (value !== null && this.input.value.includes(",")) this.show(value);
-      this.take(this.taken, value);
+      if (value !== null) this.show(value);
+      this.take(text, value);
     } else this.refuse(wrong, value);
   }
 
@@ -269,10 +266,11 @@ export class Knob {
     const [low, high] = this.limits;
     const nearest = value === null || this.reaches(value) ? null : value < low ? low : high;
     const [least, most] = this.limits.map((end) => localShort(end / this.unit.size, 4));
-    this.error(problem ?? t("outOfRange", { name: this.label, low: least,
-      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() }));
+    const text = problem ?? t("outOfRange", { name: this.label, low: least,
+      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() });
+    this.error(text);
     if (nearest !== null && this.problemWith(nearest) === null)
-      this.note.append(" ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
+      this.note.append(text.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
         t("takeNearest", { value: this.wordsOf(nearest) })));
   }
 

@@ -68,12 +68,12 @@ export class Knobs {
    * @param {Registry} registry
    * @param {(name: string, text: string, value: number | null) => void} take called with the option,
    *   the text of its value, and the value in SI units, null for a text that is none
-   * @param {Record<string, string[]>} [keys] that are shown beside the names
    */
-  constructor(registry, take, keys = {}) {
+  constructor(registry, take) {
     this.registry = registry;
     this.take = take;
-    this.keys = keys;
+    /** Keys that are shown beside the names. @type {Record<string, string[]>} */
+    this.keys = {};
     /** @type {Record<string, Knob>} */
     this.all = {};
     this.root = el("div", { class: "knobs" });

@@ -1,11 +1,8 @@
-/** Which parts of a link can be read: the others are left out, and named on the stage. */
+/** Which parts of a link there are: the others are left out, and named on the stage. */
 
-import { valueOf } from "../model/options.js";
-import { checkedNumber, InputError } from "../model/rules.js";
+import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
-import { withLaws } from "./option_texts.js";
 import { inPagesWords } from "./refusals.js";
-import { FIRST } from "./state.js";
 import { short, shownUnit } from "./unit_text.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -23,8 +20,8 @@ const PARTS = /** @type {Record<string, string[]>} */ ({
 const OF_RUNS = ["toy", "analyse"];
 
 /**
- * Return the state that remains of a link without what cannot be read, and the names and texts of what
- * that was. What a view keeps in the address is read by that view.
+ * Return the state that remains of a link without parts that are unknown here, and the names and texts of
+ * those. What a view keeps in the address is read by that view.
  * @param {Registry} registry
  * @param {State} state
  * @param {string[]} views
@@ -45,89 +42,30 @@ export function readable(registry, state, views) {
     scenario = null;
   }
   if (preset?.sweep && OF_RUNS.includes(view)) view = "map";
-  const options = readableOptions(registry, { ...state, scenario }, left);
+  const options = Object.fromEntries(Object.entries(state.options).filter(([name, text]) => {
+    const isOne = isKnown(registry, name, text);
+    if (!isOne) left.push([name, text]);
+    return isOne;
+  }));
   const extra = Object.fromEntries(Object.entries(state.extra).filter(([name, text]) => {
     const [owner, ...part] = name.split(".");
-    const isKnown = Object.hasOwn(PARTS, owner) ? PARTS[owner].includes(part.join(".")) : views.includes(owner);
-    if (!isKnown) left.push([name, text]);
-    return isKnown;
+    const isOne = Object.hasOwn(PARTS, owner) ? PARTS[owner].includes(part.join(".")) : views.includes(owner);
+    if (!isOne) left.push([name, text]);
+    return isOne;
   }));
   return { state: { ...state, view, scenario, options, extra }, left };
 }
 
 /**
- * Return the options of a link that can be read, and put what cannot into `left`.
- * @param {Registry} registry
- * @param {State} state
- * @param {[string, string][]} left
- * @returns {Record<string, string>}
- */
-function readableOptions(registry, { scenario, options: all }, left) {
-  /** @type {Record<string, string>} */
-  let options = Object.fromEntries(Object.entries(all).filter(([name, text]) => isValid(registry, name, text)));
-  const given = registry.scenarios[scenario ?? FIRST].given;
-  const system = options.system ?? given.system;
-  const drive = options.drive ?? driveOf(registry, scenario || !options.system ? given : {}, options);
-  const laws = { system, drive, contact: options.contact ?? given.contact ?? "exact" };
-  options = Object.fromEntries(Object.entries(options).filter(([name, text]) => isOf(registry, name, text, laws)));
-  left.push(...Object.entries(all).filter(([name]) => !Object.hasOwn(options, name)));
-  // What an own system lacks now is as usual.
-  if (left.length && !scenario && options.system)
-    options = withLaws(registry, options, {}, system, drive ?? "fixed_pivot");
-  return options;
-}
-
-/**
- * Return whether a text is a value of an option, whatever the others are.
+ * Return whether there is such an option, of a law whether there is that law. Whether it goes with the others
+ * and its value is allowed is for the run to say.
  * @param {Registry} registry
  * @param {string} name
  * @param {string} text
  */
-function isValid(registry, name, text) {
-  const laws = { system: registry.systems, drive: registry.drives }[name];
-  if (!Object.hasOwn(registry.options, name)) return false;
-  if (laws) return Object.hasOwn(laws, text);
-  const option = registry.options[name];
-  try {
-    const value = valueOf(registry, name, text);
-    if (option.choices.length && !option.choices.includes(value)) return false;
-    if (option.several && !value.length) return false;
-    if (option.unit || option.whole) for (const each of [value].flat()) checkedNumber(option, name, each);
-    return true;
-  } catch (error) {
-    if (error instanceof InputError) return false;
-    throw error;
-  }
-}
-
-/**
- * Return the drive of a preset whose parameters are replaced: those of a drive begin to shake a pivot.
- * @param {Registry} registry
- * @param {Record<string, any>} given
- * @param {Record<string, string>} options
- */
-function driveOf(registry, { drive = "fixed_pivot" }, options) {
-  const isShaken = Object.keys(options).some((name) => registry.options[name].owner === "drive");
-  return drive === "fixed_pivot" && isShaken ? "harmonic" : drive;
-}
-
-/**
- * Return whether these laws have an option, for as many balls as its text gives values.
- * @param {Registry} registry
- * @param {string} name
- * @param {string} text
- * @param {{system: string, drive: string | null, contact: string}} laws the drive is null if it is not known
- */
-function isOf(registry, name, text, { system, drive, contact }) {
-  const { owner, for_each_ball: isForEach } = registry.options[name];
-  const law = registry.systems[system];
-  if (name === "system" || name === "drive") return true;
-  if (owner === "system" && !law.options.includes(name)) return false;
-  if (owner === "drive" && drive && !registry.drives[drive].options.includes(registry.ratios[name] ?? name)) return false;
-  if (name === "initial_offset" && system !== "latolato") return false;
-  const owners = Object.entries(registry.contact_laws).filter(([, each]) => each.options.includes(name));
-  if (owners.length && !owners.some(([each]) => each === contact)) return false;
-  return !isForEach || text.includes(",") === (law.angles === 2) || Number.parseFloat(text) === 0;
+function isKnown({ options, systems, drives }, name, text) {
+  const laws = { system: systems, drive: drives }[name];
+  return Object.hasOwn(options, name) && (!laws || Object.hasOwn(laws, text));
 }
 
 /**

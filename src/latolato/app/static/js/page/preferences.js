@@ -34,39 +34,3 @@ export function keep(key, text) {
     isSaid = true;
   }
 }
-
-/** @template T */
-class Preferences {
-  /** @param {string} key in the browser's storage */
-  constructor(key) {
-    this.key = key;
-    /** @type {Record<string, T> | null} */
-    this.known = null;
-  }
-
-  /** The choices made now or the last time. */
-  get all() {
-    if (this.known) return this.known;
-    try {
-      this.known = { ...JSON.parse(recall(this.key) ?? "{}") };
-    } catch {
-      this.known = {}; // spoiled by somebody
-    }
-    return /** @type {Record<string, T>} */ (this.known);
-  }
-
-  /**
-   * Keep a choice.
-   * @param {string} name
-   * @param {T} value
-   */
-  keep(name, value) {
-    this.all[name] = value;
-    keep(this.key, JSON.stringify(this.all));
-  }
-}
-
-/** The unit that was chosen last for each option. @type {Preferences<string>} */
-export const unitPreferences = new Preferences("latolato.scenario.units");
-/** Which descriptions and sounds are on. @type {Preferences<boolean>} */
-export const accessibilityPreferences = new Preferences("latolato.senses");

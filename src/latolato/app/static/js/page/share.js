@@ -4,12 +4,12 @@ import { t } from "../strings.js";
 import { el, freshId, notify, saveFile } from "./dom.js";
 import { format } from "./state.js";
 
-/** @typedef {import("./state.js").AddressStore} AddressStore */
+/** @typedef {import("./state.js").Store} Store */
 
 export class Share {
   /**
    * @param {HTMLButtonElement} button that opens the menu, in an element of its own
-   * @param {AddressStore} store
+   * @param {Store} store
    * @param {() => {picture?: () => Promise<Blob> | null}} view returns the view on show; with a stage,
    *   it makes a PNG of it, null as long as there is nothing to see
    */

@@ -14,7 +14,7 @@
 /**
  * What all views are given: the server's registry, the state that they share, and the messages that
  * stand on the stage of the view on show. `curves` are texts of bifurcation curves that an analysis found.
- * @typedef {{curves?: string[], registry: any, store: AddressStore,
+ * @typedef {{curves?: string[], registry: any, store: Store,
  *   messages: import("./messages.js").Messages}} Page
  */
 
@@ -82,13 +82,38 @@ export function isReadable(search, newest) {
   return Number.isInteger(number) && number >= 1 && number <= newest;
 }
 
-/** A state that others may listen to. */
+/** The one state of the page, which is kept in the address and to which others may listen. */
 export class Store {
-  /** @param {State} state */
-  constructor(state) {
-    this.state = state;
+  /** @param {Window} page */
+  constructor(page) {
+    this.state = parse(page.location.search);
     /** @type {((state: State, changed: string) => void)[]} */
     this.listeners = [];
+    this.page = page;
+    // An entry of a frame would be one of the page around it, which has a Back button of its own.
+    this.hasEntries = page.parent === page;
+    /** Number of the present entry; a page that is loaded again goes on counting. @type {number} */
+    this.step = (this.hasEntries && page.history.state?.step) || 0;
+    /** Whether the next change may belong to the present entry. */
+    this.goesOn = false;
+    this.changedAt = 0;
+    this.isHeld = false;
+    /** Of a change that is not yet in the address. */
+    this.timer = 0;
+    page.history.replaceState({ step: this.step }, "");
+    page.addEventListener("popstate", (event) => this.arrive(event.state?.step));
+    page.addEventListener("pagehide", () => this.write());
+    const end = () => {
+      this.isHeld = this.goesOn = false;
+      this.write();
+    };
+    page.addEventListener("pointerdown", () => {
+      end();
+      this.isHeld = true;
+    }, { capture: true });
+    // A text that was typed is an entry, and so is a press of a pointer. What they change comes first.
+    for (const name of ["pointerup", "pointercancel", "change"])
+      page.addEventListener(name, () => this.page.setTimeout(end), { capture: true });
   }
 
   /**
@@ -101,12 +126,26 @@ export class Store {
   }
 
   /**
-   * Change parts of the state.
+   * Change parts of the state, in a new entry or in the present one if the same gesture changes it further.
    * @param {Partial<State>} part
    * @param {string} [changed] what it is: "view", "preset", "options" or "extra"
    */
   set(part, changed = "options") {
+    const before = format(this.state);
     this.state = { ...this.state, ...part };
+    const address = format(this.state);
+    if (address !== before) {
+      const isWhole = ["view", "preset"].includes(changed);
+      const now = performance.now();
+      const goesOn = !isWhole && this.goesOn && (this.isHeld || now - this.changedAt < PAUSE);
+      this.goesOn = !isWhole;
+      this.changedAt = now;
+      if (goesOn || !this.hasEntries) this.writeLater();
+      else {
+        this.step += 1;
+        this.page.history.pushState({ step: this.step }, "", address);
+      }
+    }
     this.notify(changed);
   }
 
@@ -139,63 +178,6 @@ export class Store {
     // One listener may end another: a view that is left hears of nothing more.
     for (const listener of [...this.listeners])
       if (this.listeners.includes(listener)) listener(this.state, changed);
-  }
-}
-
-/** The one state of the page, which is kept in the address. */
-export class AddressStore extends Store {
-  /** @param {Window} page */
-  constructor(page) {
-    super(parse(page.location.search));
-    this.page = page;
-    // An entry of a frame would be one of the page around it, which has a Back button of its own.
-    this.hasEntries = page.parent === page;
-    /** Number of the present entry; a page that is loaded again goes on counting. @type {number} */
-    this.step = (this.hasEntries && page.history.state?.step) || 0;
-    /** Whether the next change may belong to the present entry. */
-    this.goesOn = false;
-    this.changedAt = 0;
-    this.isHeld = false;
-    /** Of a change that is not yet in the address. */
-    this.timer = 0;
-    page.history.replaceState({ step: this.step }, "");
-    page.addEventListener("popstate", (event) => this.arrive(event.state?.step));
-    page.addEventListener("pagehide", () => this.write());
-    const end = () => {
-      this.isHeld = this.goesOn = false;
-      this.write();
-    };
-    page.addEventListener("pointerdown", () => {
-      end();
-      this.isHeld = true;
-    }, { capture: true });
-    // A text that was typed is an entry, and so is a press of a pointer. What they change comes first.
-    for (const name of ["pointerup", "pointercancel", "change"])
-      page.addEventListener(name, () => this.page.setTimeout(end), { capture: true });
-  }
-
-  /**
-   * Change parts of the state, in a new entry or in the present one if the same gesture changes it further.
-   * @param {Partial<State>} part
-   * @param {string} [changed]
-   */
-  set(part, changed = "options") {
-    const before = format(this.state);
-    this.state = { ...this.state, ...part };
-    const address = format(this.state);
-    if (address !== before) {
-      const isWhole = ["view", "preset"].includes(changed);
-      const now = performance.now();
-      const goesOn = !isWhole && this.goesOn && (this.isHeld || now - this.changedAt < PAUSE);
-      this.goesOn = !isWhole;
-      this.changedAt = now;
-      if (goesOn || !this.hasEntries) this.writeLater();
-      else {
-        this.step += 1;
-        this.page.history.pushState({ step: this.step }, "", address);
-      }
-    }
-    this.notify(changed);
   }
 
   /**

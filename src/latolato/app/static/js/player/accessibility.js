@@ -2,7 +2,7 @@
 
 import { t } from "../strings.js";
 import { el, freshId } from "../page/dom.js";
-import { accessibilityPreferences } from "../page/preferences.js";
+import { keep, recall } from "../page/preferences.js";
 import { KeyList } from "../page/keys.js";
 import { sayOffline } from "../page/messages.js";
 
@@ -45,8 +45,9 @@ export class Accessibility {
     stage.setAttribute("aria-describedby", others ? `${about.id} ${others}` : about.id);
     const choice = (/** @type {string} */ name, /** @type {string} */ title,
       /** @type {(on: boolean) => void} */ turn) => {
-      const box = el("input", { type: "checkbox", checked: accessibilityPreferences.all[name] === true, on: { change: () => {
-        accessibilityPreferences.keep(name, box.checked);
+      const key = `latolato.${name}`;
+      const box = el("input", { type: "checkbox", checked: recall(key) === "true", on: { change: () => {
+        keep(key, String(box.checked));
         turn(box.checked);
       } } });
       turn(box.checked);

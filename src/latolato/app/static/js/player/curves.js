@@ -146,14 +146,12 @@ export class Curves {
    * @param {Motion} motion
    */
   async describe(motion) {
-    const { time } = motion;
-    if (time.length < 2) return;
     const describe = await import("./describe.js").catch(sayOffline);
     if (!describe || this.motion !== motion) return;
     for (const { host, panel, curves } of this.charts) {
       if (!panel.quantity) continue;
       const own = curves.filter(({ paint, axis }) => paint !== "faint" && !axis).map(({ values }) => values);
-      const text = describe.inText(describe.curvesOf(panel.quantity, time, own));
+      const text = describe.inText([describe.curvesOf(panel.quantity, own)]);
       host.setAttribute("aria-label", `${nameOf(labelOf(panel, motion), curves)}. ${text}`);
     }
   }

@@ -6,6 +6,7 @@
 
 import { isSlack } from "./hang.js";
 import { isClack, wrapped } from "./events.js";
+import { range } from "./motion.js";
 import { t } from "../strings.js";
 import { short } from "../page/unit_text.js";
 
@@ -31,9 +32,6 @@ const TINY = 2; // degrees
 const NEWS = 5; // degrees
 // Balls whose centres are nearer than so many of their radii touch.
 const TOUCH = 1.02;
-// A curve is judged in so many stretches, and is the same within this share.
-const STRETCHES = 24;
-const LEVEL = 0.1;
 
 /**
  * @param {string} name
@@ -168,9 +166,10 @@ export function bestSentence(log, from, to, since = 0) {
  * @param {SpokenSentence | null} last
  */
 export function isNews(next, last) {
-  if (next.name !== last?.name || /_(grows|dies|higher|lower)$/.test(next.name)) return true;
+  if (next.name !== last?.name || /_(grows|dies)$/.test(next.name)) return true;
+  const least = next.name.startsWith("tellPeak") ? 0 : NEWS;
   return Object.entries(next.values).some(([key, value]) =>
-    Math.abs(Number(value) - Number(last.values[key])) > NEWS);
+    Math.abs(Number(value) - Number(last.values[key])) > least);
 }
 
 /**
@@ -279,18 +278,8 @@ function newestOf(log, from, to) {
   const { kind, ball } = event;
   const angle = degrees(Math.abs(event.angle));
   if (isClack(event)) return sentence(`tellOnce_${kind}`);
-  if (kind === "dip") return sentence(`tellDip_${ball}`, { angle });
-  const before = log.between(-Infinity, from).findLast((e) =>
-    (e.kind === "peak" && e.ball === ball) || e.kind === "top" || e.kind === "turn");
-  const than = before && before.kind !== "turn" ? compared(Number(angle), Number(degrees(Math.abs(before.angle)))) : "first";
-  return sentence(`tellPeak_${ball}_${than}`, { angle });
+  return sentence(kind === "dip" ? `tellDip_${ball}` : `tellPeak_${ball}`, { angle });
 }
-
-/**
- * @param {number} one
- * @param {number} other
- */
-const compared = (one, other) => (one > other ? "higher" : one < other ? "lower" : "same");
 
 /**
  * Return how a toy hangs and how its hand moves.
@@ -341,45 +330,12 @@ export function placesOf(motion, time) {
 }
 
 /**
- * Sentences on a chart: between which values its curves lie, and how they develop.
+ * A sentence on a chart: between which values its curves lie.
  * @param {string} quantity "angle", "energy" or "power"
- * @param {ArrayLike<number>} time
  * @param {ArrayLike<number>[]} curves
- * @returns {SpokenSentence[]}
  */
-export function curvesOf(quantity, time, curves) {
-  let [low, high] = [Infinity, -Infinity];
-  const sizes = new Float64Array(STRETCHES);
-  const begin = time[0];
-  const span = time[time.length - 1] - begin;
-  for (const values of curves)
-    for (let i = 0; i < values.length; i += 1) {
-      const value = values[i];
-      if (!Number.isFinite(value)) continue;
-      low = Math.min(low, value);
-      high = Math.max(high, value);
-      const k = Math.min(STRETCHES - 1, Math.floor((STRETCHES * (time[i] - begin)) / span));
-      sizes[k] = Math.max(sizes[k], Math.abs(value));
-    }
-  if (low > high) return [];
+export function curvesOf(quantity, curves) {
+  const ends = curves.flatMap((values) => range(values));
   const read = quantity === "angle" ? degrees : (/** @type {number} */ value) => short(value, 2);
-  return [sentence(`curve_${quantity}`, { low: read(low), high: read(high) }),
-    trendOf([...sizes], span)];
-}
-
-/**
- * @param {number[]} sizes of a curve in equal stretches
- * @param {number} span of all [s]
- */
-function trendOf(sizes, span) {
-  const same = LEVEL * Math.max(...sizes);
-  const ends = sizes.slice(-STRETCHES / 4).sort((a, b) => a - b);
-  const end = ends[ends.length >> 1];
-  const settled = sizes.findLastIndex((size) => Math.abs(size - end) > same) + 1;
-  if (settled === 0) return sentence("trend_same");
-  const steps = sizes.slice(1, settled + 1).map((size, i) => size - sizes[i]);
-  const way = steps.every((step) => step > -same / 2) ? "grows"
-    : steps.every((step) => step < same / 2) ? "falls" : "changes";
-  const lasts = settled > 0.75 * STRETCHES ? "on" : "first";
-  return sentence(`trend_${way}_${lasts}`, { time: short((span * settled) / STRETCHES, 2) });
+  return sentence(`curve_${quantity}`, { low: read(Math.min(...ends)), high: read(Math.max(...ends)) });
 }

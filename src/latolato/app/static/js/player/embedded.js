@@ -2,11 +2,10 @@
 
 import { contentOf } from "../kernels/content.js";
 import { loadRegistry } from "../model/registry.js";
-import { t } from "../strings.js";
 import { el } from "../page/dom.js";
 import { Motion } from "./motion.js";
 import { Player } from "./player.js";
-import { LongRunError, Runner } from "./runner.js";
+import { Runner } from "./runner.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 
@@ -35,11 +34,9 @@ export class EmbeddedPlayer {
     this.host = host;
     this.inside = host.shadowRoot ?? host.attachShadow({ mode: "open" });
     this.message = el("p", { class: "error", role: "alert", hidden: true });
-    // Computes a long run, once a message has said how long.
-    this.agree = el("button", { type: "button", hidden: true }, t("computeLong"));
     // A click anywhere gives the player the keyboard.
     const stage = el("div", { class: "player", tabindex: "-1" });
-    this.inside.replaceChildren(el("div", { class: "inset" }, this.message, this.agree, stage));
+    this.inside.replaceChildren(el("div", { class: "inset" }, this.message, stage));
     this.player = new Player(stage);
     /** @type {Runner | null} */
     this.runner = null;
@@ -67,42 +64,23 @@ export class EmbeddedPlayer {
   refuse(text) {
     this.message.textContent = text;
     this.message.hidden = text === null;
-    this.agree.hidden = true;
   }
 
   /**
-   * Show the run that a request asks for and return it, or null where a newer one is wanted. One
-   * that takes longer than a minute waits for a click.
+   * Show the run that a request asks for and return it, or null where a newer one is wanted.
    * @param {import("../model/options.js").OptionsRequest} request
-   * @param {boolean} [isAgreed] however long it takes
    * @returns {Promise<Block | null>}
    * @throws {import("../model/rules.js").InputError} for bad input
    */
-  async compute(request, isAgreed = false) {
+  async compute(request) {
     try {
-      const block = await /** @type {Runner} */ (this.runner).compute(request, { isAgreed });
+      const block = await /** @type {Runner} */ (this.runner).compute(request);
       this.show(block);
       return block;
     } catch (error) {
-      if (error instanceof LongRunError) {
-        this.refuse(error.message);
-        await this.agreed();
-        return this.compute(request, true);
-      }
       if (/** @type {Error} */ (error).name === "AbortError") return null;
       throw error;
     }
-  }
-
-  /** Wait for a click on the button; it never comes where a newer run is asked for. */
-  agreed() {
-    this.agree.hidden = false;
-    return new Promise((resolve) => {
-      this.agree.onclick = () => {
-        this.agree.hidden = true;
-        resolve(null);
-      };
-    });
   }
 
   /** Remove the player. */

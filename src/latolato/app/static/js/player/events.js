@@ -1,6 +1,6 @@
 /** What balls do, as events in time: turning points, full turns, clacks, rest and lift-off. */
 
-import { wrap } from "./motion.js";
+import { firstWhere, wrap } from "./motion.js";
 import { DEGREE } from "../page/unit_text.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
@@ -167,13 +167,7 @@ export class Log {
    * @param {number} time
    */
   after(time) {
-    let [low, high] = [0, this.events.length];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.events[middle].time <= time) low = middle + 1;
-      else high = middle;
-    }
-    return low;
+    return firstWhere(this.events.length, (i) => this.events[i].time > time);
   }
 }
 

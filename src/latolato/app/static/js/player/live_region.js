@@ -38,9 +38,7 @@ export class LiveRegion {
     this.since = 0;
     /** @type {SpokenSentence | null} */
     this.last = null;
-    /** What was just changed, from which value to which. @type {Record<string, [number, number]>} */
-    this.turns = {};
-    /** The options of the run before a change that is not yet mentioned. @type {Record<string, any> | null} */
+    /** The options before changes that are not yet mentioned. @type {Record<string, any> | null} */
     this.before = null;
     /** @type {ReturnType<typeof setTimeout> | undefined} */
     this.timer = undefined;
@@ -73,7 +71,6 @@ export class LiveRegion {
   begin(motion) {
     clearTimeout(this.timer);
     this.before = null;
-    this.turns = {};
     this.show(motion);
     this.from = this.since = 0;
     this.last = null;
@@ -90,24 +87,35 @@ export class LiveRegion {
       this.begin(motion);
       return;
     }
-    this.before ??= this.motion.about.options;
+    this.noteChange();
     this.show(motion);
     this.last = null;
     this.describe(this.time);
+  }
+
+  /** A toy on the move has another parameter from now on, which is said. */
+  turned() {
+    if (!this.motion) return;
+    this.since = this.time;
+    this.noteChange();
+  }
+
+  /** Say which options change now, once they have settled. */
+  noteChange() {
+    this.before ??= this.motion?.about.options ?? null;
     clearTimeout(this.timer);
     this.timer = setTimeout(() => this.announceChange(), SETTLE);
   }
 
-  /** Say which parameter of the run is another one. */
   announceChange() {
     const { before, motion } = this;
     this.before = null;
     if (!before || !motion) return;
     const now = motion.about.options;
     const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(before[name]));
-    if (!names.length) return;
     const isOther = names.length > MOST_CHANGES || now.system !== before.system;
-    this.announce(isOther ? [startOf(motion)] : this.changed(names[0], before[names[0]], now[names[0]]));
+    this.announce(isOther ? [startOf(motion)]
+      : names.flatMap((name) => this.changed(name, before[name], now[name])));
   }
 
   /**
@@ -118,26 +126,8 @@ export class LiveRegion {
    */
   changed(option, before, now) {
     const name = this.nameOf(option);
-    if (!name || typeof before !== "number" || typeof now !== "number" || now === before) return [];
+    if (!name || typeof before !== "number" || typeof now !== "number") return [];
     return [{ name: now > before ? "moreOf" : "lessOf", values: { name } }];
-  }
-
-  /**
-   * Say that a toy on the move has another parameter from now on.
-   * @param {string} name of an option
-   * @param {number} before
-   * @param {number} now
-   */
-  turned(name, before, now) {
-    const { motion, time } = this;
-    if (!motion) return;
-    this.since = time;
-    this.turns[name] = [this.turns[name]?.[0] ?? before, now];
-    clearTimeout(this.timer);
-    this.timer = setTimeout(() => {
-      this.announce(Object.entries(this.turns).flatMap(([each, ends]) => this.changed(each, ...ends)));
-      this.turns = {};
-    }, SETTLE);
   }
 
   /**

@@ -37,8 +37,6 @@ export class MoreCurves {
     this.motion = null;
     /** @type {Motion | null} */
     this.pinned = null;
-    /** What is drawn. @type {Motion | null} */
-    this.drawn = null;
     const curves = el("div", { class: "curves" });
     const [phase, section] = ["phase", "section"].map((name) =>
       el("div", { class: "chart", role: "img", "aria-label": t(name) }));
@@ -71,15 +69,19 @@ export class MoreCurves {
   show(motion, pinned) {
     this.motion = motion;
     this.pinned = pinned;
-    this.drawn = null;
+    this.curves.motion = null;
     this.draw();
+  }
+
+  /** What is drawn, null while the drawer is closed. */
+  get drawn() {
+    return this.curves.motion;
   }
 
   draw() {
     const { motion, pinned } = this;
-    if (!this.root.open) this.drawn = this.curves.motion = null;
+    if (!this.root.open) this.curves.motion = null;
     if (!this.root.open || !motion || this.drawn === motion) return;
-    this.drawn = motion;
     this.curves.panels = motion.isString ? [...ENERGY_PANELS, DISTANCE_PANEL] : ENERGY_PANELS;
     if (motion.grows) {
       this.curves.show(motion);

@@ -21,24 +21,30 @@ const SLACK = 4;
 const TUG = 0.1;
 
 /**
- * Return the last index whose value does not exceed `x`, 0 if there is none.
- * @param {ArrayLike<number>} values increasing
- * @param {number} x
+ * Return the first of so many places from which on something holds, their number if it holds at none.
+ * @param {number} count
+ * @param {(place: number) => boolean} holds
  */
-export function before(values, x) {
-  let low = 0;
-  let high = values.length;
-  while (high - low > 1) {
+export function firstWhere(count, holds) {
+  let [low, high] = [0, count];
+  while (low < high) {
     const middle = (low + high) >> 1;
-    if (values[middle] <= x) low = middle;
-    else high = middle;
+    if (holds(middle)) high = middle;
+    else low = middle + 1;
   }
   return low;
 }
 
 /**
+ * Return the last index whose value does not exceed `x`, 0 if there is none.
+ * @param {ArrayLike<number>} values increasing
+ * @param {number} x
+ */
+export const before = (values, x) => Math.max(firstWhere(values.length, (i) => values[i] > x) - 1, 0);
+
+/**
  * Return the least and the largest finite value of all, or from one place up to another.
- * @param {ArrayLike<number>} values
+ * @param {ArrayLike<number>} values others than finite numbers count for nothing
  * @param {number} [from]
  * @param {number} [to]
  * @returns {[number, number]}
@@ -48,8 +54,9 @@ export function range(values, from = 0, to = values.length) {
   let high = -Infinity;
   for (let i = from; i < to; i += 1) {
     const value = values[i];
-    if (value < low && value > -Infinity) low = value;
-    if (value > high && value < Infinity) high = value;
+    if (!Number.isFinite(value)) continue;
+    if (value < low) low = value;
+    if (value > high) high = value;
   }
   return low <= high ? [low, high] : [0, 0];
 }

@@ -45,9 +45,7 @@ export async function stagePicture(scene, { title, caption }) {
   const size = RATIO / (window.devicePixelRatio || 1);
   const [width, height] = [Math.round(across * size), Math.round(down * size)];
   const padding = RATIO * PADDING;
-  const lines = [[title, TITLE], [caption, CAPTION]].flatMap(([text, style]) =>
-    wrapped(context, /** @type {string} */ (text), /** @type {typeof TITLE} */ (style), width - 2 * padding)
-      .map((line) => ({ text: line, style: /** @type {typeof TITLE} */ (style) })));
+  const lines = [{ text: title, style: TITLE }, { text: caption, style: CAPTION }].filter(({ text }) => text);
   const tall = (/** @type {typeof TITLE} */ style) => RATIO * LINE * style.size;
   canvas.width = width;
   canvas.height = height + Math.round(2 * padding + lines.reduce((sum, { style }) => sum + tall(style), 0));
@@ -64,35 +62,12 @@ export async function stagePicture(scene, { title, caption }) {
   context.textBaseline = "middle";
   let row = height + padding;
   for (const { text, style } of lines) {
-    context.font = fontOf(style);
+    context.font = `${style.weight} ${RATIO * style.size}px ${FONT}`;
     context.fillStyle = paint(style.paint);
-    context.fillText(text, padding, row + 0.5 * tall(style));
+    // A text that is too long for its line is written narrower.
+    context.fillText(text, padding, row + 0.5 * tall(style), width - 2 * padding);
     row += tall(style);
   }
   return new Promise((resolve, reject) => canvas.toBlob((blob) =>
     (blob ? resolve(blob) : reject(new Error("this browser makes no pictures"))), "image/png"));
-}
-
-/** @param {{size: number, weight: number}} style */
-function fontOf({ size, weight }) {
-  return `${weight} ${RATIO * size}px ${FONT}`;
-}
-
-/**
- * Return a text in lines that are not wider than some pixels, broken between words.
- * @param {CanvasRenderingContext2D} context
- * @param {string} text
- * @param {{size: number, weight: number}} style
- * @param {number} width
- */
-function wrapped(context, text, style, width) {
-  context.font = fontOf(style);
-  /** @type {string[]} */
-  const lines = [];
-  for (const word of text.split(" ").filter(Boolean)) {
-    const longer = `${lines.at(-1) ?? ""} ${word}`.trim();
-    if (lines.length && context.measureText(longer).width <= width) lines[lines.length - 1] = longer;
-    else lines.push(word);
-  }
-  return lines;
 }

@@ -112,7 +112,7 @@ export class Player {
     const module = await import("./more_curves.js").catch(sayOffline);
     if (!module || this.more) return;
     this.more = new module.MoreCurves(this.moreCurves, this.clock, this.curves);
-    if (this.motion) this.more.show(this.motion, this.pinned);
+    this.showCurves();
   }
 
   /**
@@ -131,9 +131,17 @@ export class Player {
     scene.show(motion);
     accessibility.loudest = loudest;
     accessibility.follow(motion, true);
-    this.timeline.show(motion, null);
-    this.more?.show(motion, null);
+    this.showCurves();
     this.move(clock.time);
+  }
+
+  /** Show the curves of the motion, with those of a pinned run behind the ones of a run. */
+  showCurves() {
+    const { motion } = this;
+    if (!motion) return;
+    const pinned = motion.grows ? null : this.pinned;
+    this.timeline.show(motion, pinned);
+    this.more?.show(motion, pinned);
   }
 
   /** Leave the stage to the next run, which begins at its start. */
@@ -157,8 +165,7 @@ export class Player {
     const [slow, fast] = range(motion.block.arrays.angular_velocity_before ?? []);
     this.accessibility.loudest = 2 * Math.max(-slow, fast, 1e-9);
     this.accessibility.follow(motion);
-    this.timeline.show(motion, this.pinned);
-    this.more?.show(motion, this.pinned);
+    this.showCurves();
     this.move(this.clock.time);
     this.start.play();
   }
@@ -174,10 +181,7 @@ export class Player {
     this.pinned = this.pinned ? null : this.motion;
     this.scene.pinned = this.pinned;
     this.scene.draw();
-    if (this.motion) {
-      this.timeline.show(this.motion, this.pinned);
-      this.more?.show(this.motion, this.pinned);
-    }
+    this.showCurves();
     return this.pinned !== null;
   }
 

@@ -4,7 +4,6 @@
  */
 
 import { el } from "../page/dom.js";
-import { before, range } from "./motion.js";
 import { valueAt } from "./traces.js";
 import { localShort } from "../page/unit_text.js";
 
@@ -12,21 +11,8 @@ import { localShort } from "../page/unit_text.js";
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./traces.js").Curve} Curve */
 
-// A number that is behind by more than this share of how large its quantity gets is not shown.
-const BEHIND = 0.05;
-
-/**
- * Return whether a number that is written now and then would lag visibly: the quantity swings too
- * far for that in a period.
- * @param {number} low least value of the quantity in a period
- * @param {number} high largest one
- * @param {number} period of a swing [s]
- * @param {number} lag how far the number may be behind [s]
- */
-export function isBehind(low, high, period, lag) {
-  const fastest = (Math.PI * (high - low)) / period;
-  return lag * fastest > BEHIND * Math.max(-low, high);
-}
+// Numbers that are behind by more than this share of a swing are not shown: what swings is another by then.
+const BEHIND = 0.01;
 
 export class Playhead {
   /** @param {Curve[]} curves of the chart, of any run */
@@ -69,12 +55,9 @@ export class Playhead {
    */
   read(motion, curves, time, held, lag) {
     const period = (2 * Math.PI) / motion.naturalFrequency || 1;
-    const { time: times } = motion;
-    const [first, last] = [time - period / 2, time + period / 2].map((each) => before(times, each));
     curves.forEach(({ ofPose, values }, k) => {
-      const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(times, values, time);
-      const [low, high] = range(values, first, last + 1);
-      const text = isBehind(low, high, period, lag) ? "" : localShort(value, 4);
+      const value = ofPose ? ofPose(held ?? motion.pose(time)) : valueAt(motion.time, values, time);
+      const text = lag > BEHIND * period ? "" : localShort(value, 4);
       if (this.values[k].textContent !== text) this.values[k].textContent = text;
     });
   }

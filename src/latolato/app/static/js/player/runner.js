@@ -20,16 +20,6 @@ export const MOST_SAMPLES = 30_000;
 // A run may take so long before a newer one ends it.
 const PATIENCE = 200; // ms
 
-/** A run that takes longer than a minute and that the user has not agreed to. */
-export class LongRunError extends Error {
-  /** @param {number} seconds */
-  constructor(seconds) {
-    super(t("longRun", { count: Math.ceil(seconds / 60) }));
-    this.name = "LongRunError";
-    this.seconds = seconds;
-  }
-}
-
 /** Takes the place of a worker in pages where workers are refused. */
 class Inline {
   /** @param {(answer: Reply) => void} receive */
@@ -97,15 +87,14 @@ export class Runner {
   /**
    * Return a run as a block.
    * @param {OptionsRequest} request
-   * @param {{mostSamples?: number, isAgreed?: boolean, stretch?: [number, number] | null}} [how]
-   *   `isAgreed`: however long it takes; `stretch`: with few samples, most of them in that stretch of time [s]
+   * @param {{mostSamples?: number, stretch?: [number, number] | null}} [how]
+   *   `stretch`: with few samples, most of them in that stretch of time [s]
    * @returns {Promise<Block>}
    * @throws {InputError} for bad input
-   * @throws {LongRunError} for a run that takes longer than a minute
    */
-  compute(request, { mostSamples = MOST_SAMPLES, isAgreed = false, stretch = null } = {}) {
+  compute(request, { mostSamples = MOST_SAMPLES, stretch = null } = {}) {
     this.number += 1;
-    const question = { number: this.number, request, mostSamples, isAgreed, stretch };
+    const question = { number: this.number, request, mostSamples, stretch };
     return new Promise((resolve, reject) => {
       this.waiting?.reject(aborted());
       this.waiting = { question, resolve, reject, isRepeated: false };
@@ -189,9 +178,8 @@ export class Runner {
    * @param {Pending} pending
    * @param {Reply} answer
    */
-  settle({ question, resolve, reject }, { number, block, seconds, fault }) {
+  settle({ question, resolve, reject }, { number, block, fault }) {
     if (block) resolve(block);
-    else if (seconds) reject(new LongRunError(seconds));
     else if (fault?.isBeyond && this.registry.server) {
       this.askProgram(question).then((whole) => {
         if (number === this.number) resolve(whole);

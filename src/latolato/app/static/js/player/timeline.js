@@ -26,10 +26,6 @@ export class Timeline {
   /** @param {Clock} clock */
   constructor(clock) {
     this.clock = clock;
-    /** @type {Motion | null} */
-    this.motion = null;
-    /** @type {Motion | null} */
-    this.pinned = null;
     const place = el("div", { class: "curves" });
     this.scrub = el("input", { type: "range", min: "0", max: String(STEPS), step: "1", value: "0",
       class: "scrub", "aria-label": t("scrub"), on: {
@@ -61,8 +57,6 @@ export class Timeline {
    * @param {Motion | null} pinned
    */
   show(motion, pinned) {
-    this.motion = motion;
-    this.pinned = pinned;
     this.wrapped.hidden = !motion.balls.some(({ row }) =>
       range(motion.values("angle", row) ?? []).some((angle) => Math.abs(angle) > HALF_TURN));
     this.curves.panels = [this.panel()];
@@ -73,7 +67,8 @@ export class Timeline {
   /** @param {HTMLElement} button */
   press(button) {
     button.setAttribute("aria-pressed", String(!isPressed(button)));
-    if (this.motion) this.show(this.motion, this.pinned);
+    const { motion, pinned } = this.curves;
+    if (motion) this.show(motion, pinned);
   }
 
   /** Show the whole run, or follow the clock again. */
@@ -127,7 +122,7 @@ export class Timeline {
    * @param {number} time
    */
   update(time) {
-    if (this.motion?.grows) return;
+    if (this.curves.motion?.grows) return;
     this.scrub.setAttribute("aria-valuetext", t("instantOf", { time: time.toFixed(2), end: this.clock.end }));
   }
 }

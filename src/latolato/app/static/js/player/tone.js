@@ -1,5 +1,7 @@
 /** Angles as tones: an octave for each right angle from hanging, to the side where the ball is. */
 
+import { fromBottom } from "./motion.js";
+
 const HANGING = 220; // Hz
 const VOLUME = 0.07;
 // Pitch and side follow within so long, without steps that would be heard.
@@ -13,8 +15,7 @@ const FADE = 0.03; // s
  * @param {number} angle [rad]
  */
 export function pitchOf(angle) {
-  const away = Math.abs(angle - 2 * Math.PI * Math.round(angle / (2 * Math.PI)));
-  return HANGING * 2 ** (away / (Math.PI / 2));
+  return HANGING * 2 ** (fromBottom(angle) / (Math.PI / 2));
 }
 
 /** The tone of one ball. */

@@ -1,7 +1,7 @@
 /** Curves as a chart draws them: what it is given, and the path through it. */
 
 import UPlot from "../../vendor/uPlot.js";
-import { before } from "./motion.js";
+import { before, range } from "./motion.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /**
@@ -98,9 +98,6 @@ export function isDense(period, pixels) {
   return period * pixels < NARROW;
 }
 
-/** @type {WeakMap<any, {least: Float64Array, largest: Float64Array}>} by the data of a chart */
-const running = new WeakMap();
-
 /**
  * Return the least and the largest of two values and all on the left axis up to an instant.
  * @param {any} u
@@ -110,36 +107,9 @@ const running = new WeakMap();
  * @returns {[number, number]}
  */
 export function extremesUntil({ data, series }, low, high, until) {
-  const i = before(data[0], until);
-  if (i < 0) return [low, high];
-  let extremes = running.get(data);
-  if (!extremes) {
-    extremes = runningExtremes(data.slice(1).filter((/** @type {any} */ _, /** @type {number} */ k) =>
-      series[k + 1].scale === "y"), data[0].length);
-    running.set(data, extremes);
-  }
-  return [Math.min(low, extremes.least[i]), Math.max(high, extremes.largest[i])];
-}
-
-/**
- * Return the least and the largest value of all columns up to each sample; null counts for nothing.
- * @param {ArrayLike<number | null>[]} columns
- * @param {number} count of samples
- */
-function runningExtremes(columns, count) {
-  const [least, largest] = [new Float64Array(count), new Float64Array(count)];
-  let [low, high] = [Infinity, -Infinity];
-  for (let i = 0; i < count; i += 1) {
-    for (const values of columns) {
-      const value = values[i];
-      if (value === null) continue;
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
-    least[i] = low;
-    largest[i] = high;
-  }
-  return { least, largest };
+  const ends = series.flatMap((/** @type {any} */ { scale }, /** @type {number} */ k) =>
+    (scale === "y" ? range(data[k], 0, before(data[0], until) + 1) : []));
+  return [Math.min(low, ...ends), Math.max(high, ...ends)];
 }
 
 /**

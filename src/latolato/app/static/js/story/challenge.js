@@ -8,7 +8,7 @@ import { t, tr } from "../strings.js";
 import { edgesOf, requestOf, scoreOfGuess, scoreOfRun } from "./scores.js";
 import { withUnit } from "./number_text.js";
 
-/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("./load.js").StoryTable} StoryTable */
 /** @typedef {import("../page/block.js").Block} Block */
 
 const GUESS = "story.guess";

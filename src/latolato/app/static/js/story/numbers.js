@@ -6,6 +6,7 @@ import { specify } from "../model/case.js";
 import { fieldsOf, planarOption } from "../model/laws.js";
 import { row } from "../page/block.js";
 import { DEGREE } from "../page/unit_text.js";
+import { range } from "../player/motion.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 
@@ -14,15 +15,8 @@ const LATE = 0.75;
 // Up to this angle a swing grows as the small-angle equation does [rad].
 const SMALL = 20 * DEGREE;
 
-/**
- * Return the largest of some numbers, -Infinity of none.
- * @param {ArrayLike<number>} values
- */
-function largest(values) {
-  let most = -Infinity;
-  for (let i = 0; i < values.length; i += 1) if (values[i] > most) most = values[i];
-  return most;
-}
+/** @param {ArrayLike<number>} values */
+const largest = (values) => range(values)[1];
 
 /** @param {ArrayLike<number>} values */
 function sizes(values) {

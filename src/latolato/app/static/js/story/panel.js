@@ -4,17 +4,16 @@ import { InputError } from "../model/rules.js";
 import { el, notify } from "../page/dom.js";
 import { openLink, openState } from "../page/links.js";
 import { sayLeft } from "../page/link_parts.js";
-import { inLanguage } from "../page/refusals.js";
-import { LongRunError, Runner } from "../player/runner.js";
+import { Runner } from "../player/runner.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
-import { load, loadSchema } from "./load.js";
+import { loadSchema, loadTables } from "./load.js";
 import { StoryList } from "./list.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
 import { NOT_YET, Step } from "./step.js";
 
-/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("./load.js").StoryTable} StoryTable */
 
 // Where the address asks for the list.
 const LIST = "story.list";
@@ -31,7 +30,7 @@ export class StoryPanel {
   constructor(page, changed) {
     this.page = page;
     this.runner = new Runner(page.registry);
-    /** @type {import("./check.js").Schema} */
+    /** @type {import("./load.js").Schema} */
     this.schema = /** @type {any} */ (null);
     /** The story on show. @type {StoryTable | null} */
     this.tables = null;
@@ -117,16 +116,14 @@ export class StoryPanel {
 
   /** @param {string} name */
   async open(name) {
-    try {
-      this.schema = await loadSchema();
-      const tables = await load(this.page.registry, name);
-      if (name !== this.name) return;
-      this.tables = tables;
-    } catch (error) {
-      if (!(error instanceof InputError)) throw error;
-      this.refuse(inLanguage(error));
+    const [schema, all] = await Promise.all([loadSchema(), loadTables()]);
+    if (name !== this.name) return;
+    if (!Object.hasOwn(all, name)) {
+      this.refuse(t("storyUnknown", { name }));
       return;
     }
+    this.schema = schema;
+    this.tables = all[name];
     // An address that names a story alone shows what the story shows.
     const { scenario, options, extra } = this.page.store.state;
     const step = extra["story.step"];
@@ -216,7 +213,7 @@ export class StoryPanel {
       const block = request && await this.runner.compute(request).catch((error) => {
         if (error instanceof DOMException && error.name === "AbortError") return undefined;
         // The view says what is wrong.
-        if (error instanceof InputError || error instanceof LongRunError) return null;
+        if (error instanceof InputError) return null;
         throw error;
       });
       const whole = block && part instanceof Step && part.needsPeriod

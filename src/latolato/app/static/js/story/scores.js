@@ -8,7 +8,7 @@ import { withOptions } from "../page/option_texts.js";
 import { quantity } from "./numbers.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("./load.js").StoryTable} StoryTable */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("../page/block.js").Block} Block */
 

@@ -3,12 +3,11 @@
 import { toSi } from "../model/units.js";
 import { el, freshId } from "../page/dom.js";
 import { t, tr } from "../strings.js";
-import { limitsOf } from "./check.js";
 import { parameterOf } from "./look.js";
 import { quantity } from "./numbers.js";
 import { shownNumber } from "./number_text.js";
 
-/** @typedef {import("./check.js").StoryTable} StoryTable */
+/** @typedef {import("./load.js").StoryTable} StoryTable */
 /** @typedef {import("../page/block.js").Block} Block */
 
 export const NOT_YET = "-";
@@ -97,10 +96,13 @@ export class Step {
     const isDone = !this.trial.hidden && this.step.try.done?.every((/** @type {StoryTable} */ condition) => {
       if (condition.address) return condition.address in extra;
       if (!block) return false;
-      const [least, most] = limitsOf(registry, schema, condition);
+      const unit = condition.quantity ? schema.quantities[condition.quantity]
+        : registry.options[condition.parameter].unit;
+      const end = (/** @type {string} */ name, /** @type {number} */ otherwise) =>
+        (name in condition ? toSi(registry, name, condition[name], unit) : otherwise);
       const now = condition.quantity ? quantity(condition.quantity, block, this.angle(condition.angle))
         : parameterOf(condition.parameter, block);
-      return now >= least && now <= most;
+      return now >= end("at_least", -Infinity) && now <= end("at_most", Infinity);
     });
     if (!isDone || this.isDone) return;
     this.isDone = true;

@@ -74,8 +74,7 @@ export class Downloads {
   async write(kind) {
     const { registry } = this.page;
     const { scenario } = this.request;
-    // The run is on show, so its time was agreed to.
-    const block = this.kept ?? await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES, isAgreed: true });
+    const block = this.kept ?? await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES });
     const { system, drive } = block.about.options;
     const name = `latolato_${this.kept ? "by_hand" : scenario ?? `${system}_${drive}`}.${kind}`;
     const text = kind === "toml" ? tomlOf(registry, block, name)

@@ -22,7 +22,6 @@ import { Toy } from "./toy.js";
 /** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {import("../player/motion.js").MotionBall} MotionBall */
 /** @typedef {import("../player/motion.js").Motion} Motion */
-/** @typedef {import("../model/case.js").Case} Case */
 /**
  * What the view does for the hand: `request` returns the scenario and the options to run; `begun` shows
  * what a toy has begun with, in SI units; `refuse` says why there is none; `keep` shows what was played, with the
@@ -46,19 +45,6 @@ const SLOW = 0.95;
 const LONGEST_ADDRESS = 6000;
 // Drives whose cosine goes on from any instant of a run.
 const STEADY = ["harmonic", "fixed_pivot"];
-
-/**
- * Return whether two cases differ in nothing but what the controls change.
- * @param {Case} one
- * @param {Case} other
- */
-function isSteered(one, other) {
-  const rest = (/** @type {Case} */ { system, angles, velocities, distances }) =>
-    JSON.stringify([system.kind, system.gravity, angles, velocities, distances, system.suspension,
-      system.string_restitution, system.drag_frame,
-      system.balls.map((ball) => ({ ...ball, damping: 0 }))]);
-  return rest(one) === rest(other);
-}
 
 /**
  * Return the state of a run at its last sample up to an instant at which all balls are on their circles.
@@ -105,8 +91,6 @@ export class Hand {
     this.toy = null;
     /** @type {GrowingMotion | null} */
     this.motion = null;
-    /** What the address asks for. @type {Case | null} */
-    this.asked = null;
     this.signature = "";
     this.pace = new FrameLoop();
     this.shake = new Shake(() => this.toy, () => this.showShake());
@@ -153,7 +137,7 @@ export class Hand {
     this.isOn = true;
     const { motion, clock: { time } } = player;
     const from = motion && !motion.grows ? stateOf(motion, time) : null;
-    await this.begin(null, from);
+    await this.begin(from);
     if (this.isOn) this.takeKeys(isPressed);
   }
 
@@ -161,7 +145,7 @@ export class Hand {
   release() {
     this.isOn = false;
     this.shake.end();
-    this.toy = this.motion = this.asked = null;
+    this.toy = this.motion = null;
     this.signature = "";
     this.say("");
     this.player.scene.canvas.classList.remove("grabbable", "unasked");
@@ -175,35 +159,34 @@ export class Hand {
 
   /**
    * Begin with what the address asks for, if that has changed.
-   * @param {boolean} steers whether a toy that differs in its controls alone is steered there
+   * @param {boolean} goesOn whether from where the balls are now
    */
-  follow(steers) {
-    if (this.wish() !== this.signature) void this.begin(steers ? this.toy : null);
+  follow(goesOn) {
+    const { toy } = this;
+    if (this.wish() === this.signature) return;
+    // A toy with a ball that has left its circle begins again at its start.
+    void this.begin(goesOn && toy && !toy.state("is_slack").some(Number)
+      ? { time: toy.time, angles: toy.angles, velocities: toy.velocities } : null);
   }
 
   /**
-   * Begin with what the address asks for, or steer a toy to it that differs in its controls alone.
-   * @param {Toy | null} [running]
-   * @param {{time: number, angles: number[], velocities: number[]} | null} [from] where a run on show has the balls
+   * Begin with what the address asks for.
+   * @param {{time: number, angles: number[], velocities: number[]} | null} [from] where a run on show, or the toy
+   *   before, has as many balls
    */
-  async begin(running = null, from = null) {
+  async begin(from = null) {
     this.signature = this.wish();
     const { signature } = this;
-    this.toy = running;
+    this.toy = null;
     try {
       const each = await specify(this.page.registry, this.owner.request());
-      if (running && this.asked && isSteered(this.asked, each)) this.steer(running, each);
-      else {
-        const kernels = await startKernels(each.kernels.name);
-        if (signature !== this.signature || !this.isOn) return;
-        const cosine = cosineOf(each);
-        this.asked = each;
-        this.start(from && STEADY.includes(each.drive.kind)
-          ? new Toy(kernels, { ...each, angles: apart(from.angles, each.system), velocities: from.velocities, distances: [] },
-            { ...cosine, phase: cosine.phase + cosine.frequency * from.time })
-          : new Toy(kernels, each, cosine));
-      }
-      this.asked = each;
+      const kernels = await startKernels(each.kernels.name);
+      if (signature !== this.signature || !this.isOn) return;
+      const cosine = cosineOf(each);
+      this.start(from && STEADY.includes(each.drive.kind) && from.angles.length === each.angles.length
+        ? new Toy(kernels, { ...each, angles: apart(from.angles, each.system), velocities: from.velocities, distances: [] },
+          { ...cosine, phase: cosine.phase + cosine.frequency * from.time })
+        : new Toy(kernels, each, cosine));
       this.owner.begun(resolvedOf(each));
       this.say(this.page.registry.drives[each.drive.kind].sinusoidal ? "" : t("handCosine"));
     } catch (error) {
@@ -212,21 +195,6 @@ export class Hand {
       this.owner.refuse(error);
       this.allow(false);
     }
-  }
-
-  /**
-   * Give a running toy the controls of a case, as if its sliders were moved there.
-   * @param {Toy} toy
-   * @param {Case} each
-   */
-  steer(toy, each) {
-    const { amplitude, frequency } = cosineOf(each);
-    const { balls: [{ damping }], restitution } = each.system;
-    const values = { drive_amplitude: amplitude, drive_frequency: frequency, damping, restitution };
-    toy.set(Object.fromEntries(Object.entries(values).filter(([name]) => name in toy.controls)));
-    for (const name of Object.keys(toy.controls)) this.knobs.all[name]?.show(toy.controls[name]);
-    this.showRatio();
-    this.rescale();
   }
 
   /** @param {Toy} toy */
@@ -258,12 +226,9 @@ export class Hand {
     for (const button of Object.values(this.parts)) button.disabled = !hasToy;
   }
 
-  /** Begin again as the run begins, with the controls as they are. */
+  /** Begin again as the run of the address begins, which has the controls as they are. */
   restart() {
-    const { toy, asked } = this;
-    if (!toy || !asked) return;
-    const { drive_amplitude: amplitude, drive_frequency: frequency } = toy.controls;
-    this.start(new Toy(toy.kernels, { ...asked, system: toy.system }, { ...cosineOf(asked), amplitude, frequency }));
+    if (this.toy) void this.begin();
   }
 
   /**
@@ -297,7 +262,7 @@ export class Hand {
     }
     // These are of the cosine.
     if (["drive_amplitude", "drive_frequency"].includes(name) && this.shake.isOn) this.shake.end();
-    this.player.accessibility.liveRegion?.turned(name, this.toy.controls[name], value);
+    this.player.accessibility.liveRegion?.turned();
     this.toy.set({ [name]: value });
     if (name === "drive_amplitude") this.rescale();
     const options = withControls(registry, store.state.options, this.toy.system.kind,

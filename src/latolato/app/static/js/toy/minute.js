@@ -2,6 +2,7 @@
 
 import { blockOf } from "../model/run_block.js";
 import { LEDGER, onStrings, PER_STRING, run } from "../model/simulate.js";
+import { firstWhere } from "../player/motion.js";
 import { t } from "../strings.js";
 import { stagesOf } from "./drive.js";
 
@@ -25,74 +26,36 @@ const MOST_CONTACTS = 50_000;
 const OF_RUNS = ["scenario", "energy_residual", "step", "step_halvings", "grazing_contacts",
   "compression_time", "compression_fraction", "first_slack", "slack_fraction", "largest_string_impulse"];
 
-/** Rows of numbers, as many as come, of which the oldest are forgotten. */
-class Table {
-  /**
-   * @param {number} width of a row
-   * @param {number} most rows that are kept for sure
-   */
-  constructor(width, most) {
-    this.width = width;
-    this.most = most;
-    this.size = 0;
-    /** How many were forgotten. */
-    this.gone = 0;
-    this.numbers = new Float64Array(256 * width);
-  }
-
-  /** @param {number[]} row */
-  add(row) {
-    const { width, most } = this;
-    if (this.size >= 2 * most) {
-      this.gone += this.size - most;
-      this.numbers.copyWithin(0, (this.size - most) * width, this.size * width);
-      this.size = most;
-    }
-    const end = this.size * width;
-    if (end === this.numbers.length) {
-      const before = this.numbers;
-      this.numbers = new Float64Array(2 * end);
-      this.numbers.set(before);
-    }
-    this.numbers.set(row, end);
-    this.size += 1;
-  }
-
-  /**
-   * Return one number of each row.
-   * @param {number} place in the row
-   * @param {number} [first] row
-   * @param {number} [stride] from a row to the next one
-   */
-  column(place, first = 0, stride = 1) {
-    const values = new Float64Array(Math.max(0, Math.ceil((this.size - first) / stride)));
-    for (let i = 0; i < values.length; i += 1) values[i] = this.at(first + i * stride, place);
-    return values;
-  }
-
-  /**
-   * Return one number of a row.
-   * @param {number} i
-   * @param {number} place
-   */
-  at(i, place) {
-    return this.numbers[i * this.width + place];
-  }
-
-  /**
-   * Return the first row whose leading number is not below a value.
-   * @param {number} value
-   */
-  from(value) {
-    let [low, high] = [0, this.size];
-    while (low < high) {
-      const middle = (low + high) >> 1;
-      if (this.at(middle, 0) < value) low = middle + 1;
-      else high = middle;
-    }
-    return low;
-  }
+/**
+ * Keep a row; the oldest are forgotten when there are twice as many as are kept for sure.
+ * @param {number[][]} rows
+ * @param {number[]} row
+ * @param {number} most that are kept for sure
+ */
+function keepRow(rows, row, most) {
+  if (rows.length >= 2 * most) rows.splice(0, most);
+  rows.push(row);
 }
+
+/**
+ * Return one number of each row.
+ * @param {number[][]} rows
+ * @param {number} place in the row
+ * @param {number} [first] row
+ * @param {number} [stride] from a row to the next one
+ */
+function column(rows, place, first = 0, stride = 1) {
+  const values = new Float64Array(Math.max(0, Math.ceil((rows.length - first) / stride)));
+  for (let i = 0; i < values.length; i += 1) values[i] = rows[first + i * stride][place];
+  return values;
+}
+
+/**
+ * Return the first row that is not before an instant.
+ * @param {number[][]} rows
+ * @param {number} time
+ */
+const rowFrom = (rows, time) => firstWhere(rows.length, (i) => rows[i][TIME] >= time);
 
 // The first numbers of a row of samples: its time, and whether a run could begin there.
 const TIME = 0;
@@ -138,13 +101,15 @@ export class Minute {
       .map((name) => [name, [FIRST + sample_rows[name]]]));
     /** The newest instant, which need not be that of a sample: a row like those. @type {number[]} */
     this.now = [];
-    this.samples = new Table(out + angles * ball_rows.length, SPAN * RATE);
-    this.contacts = new Table(2 + layout.contact_rows.count, MOST_CONTACTS);
+    /** @type {number[][]} */
+    this.samples = [];
+    /** Time, kind and a row of the table of contacts. @type {number[][]} */
+    this.contacts = [];
   }
 
   /** The last instant [s]. */
   get end() {
-    return this.samples.at(this.samples.size - 1, TIME);
+    return this.samples[this.samples.length - 1][TIME];
   }
 
   /**
@@ -155,7 +120,7 @@ export class Minute {
    *   nobody holds a ball, and none has left its circle
    */
   add(time, { samples, pivot, out }, begins) {
-    this.samples.add([time, Number(begins), ...samples, ...pivot, ...out]);
+    keepRow(this.samples, [time, Number(begins), ...samples, ...pivot, ...out], SPAN * RATE);
   }
 
   /**
@@ -174,7 +139,7 @@ export class Minute {
    * @param {number[]} speeds its row of the table of contacts
    */
   addContact(time, kind, speeds) {
-    this.contacts.add([time, kind, ...speeds]);
+    keepRow(this.contacts, [time, kind, ...speeds], MOST_CONTACTS);
   }
 
   /**
@@ -203,16 +168,15 @@ export class Minute {
    */
   recent(name, ball, seconds, stride) {
     const { samples } = this;
-    const from = samples.from(this.end - seconds);
-    // Always the same ones, so that a curve does not tremble.
-    const first = from + ((stride - ((from + samples.gone) % stride)) % stride);
+    // Always the same ones, so that a curve does not tremble: whole strides were forgotten.
+    const first = stride * Math.ceil(rowFrom(samples, this.end - seconds) / stride);
     const own = (/** @type {string} */ each) => {
       const all = this.places[each] ?? this.ledger[each];
       if (!all) return null;
       const place = all[Math.min(ball, all.length - 1)];
-      const column = samples.column(place, first, stride);
-      if (!(this.now[TIME] > samples.at(first + (column.length - 1) * stride, TIME))) return column;
-      return Float64Array.of(...column, this.now[place]);
+      const values = column(samples, place, first, stride);
+      if (!(this.now[TIME] > samples[first + (values.length - 1) * stride][TIME])) return values;
+      return Float64Array.of(...values, this.now[place]);
     };
     if (name !== "total_energy") return own(name);
     const potential = /** @type {Float64Array} */ (own("potential_energy"));
@@ -236,12 +200,12 @@ export class Minute {
    */
   keep(system, since = this.end - SPAN) {
     const { samples } = this;
-    const earliest = samples.from(since);
+    const earliest = rowFrom(samples, since);
     // A stage of a drive lasts some time, so none begins with a change.
-    const begins = (/** @type {number} */ i) => samples.at(i, BEGINS) > 0
-      && !this.changes.some(({ time }) => time === samples.at(i, TIME));
+    const begins = (/** @type {number} */ i) => samples[i][BEGINS] > 0
+      && !this.changes.some(({ time }) => time === samples[i][TIME]);
     let first = earliest;
-    while (first < samples.size - 2 && !begins(first)) first += 1;
+    while (first < samples.length - 2 && !begins(first)) first += 1;
     return begins(first) ? new Kept(this, system, first, true) : new Kept(this, system, earliest, false);
   }
 }
@@ -258,9 +222,9 @@ export class Kept {
     this.minute = minute;
     this.first = first;
     const { samples, contacts, changes, cosines } = minute;
-    const start = samples.at(first, TIME);
+    const start = samples[first][TIME];
     this.start = start;
-    this.firstContact = contacts.from(start);
+    this.firstContact = rowFrom(contacts, start);
     this.duration = minute.end - start;
     /** Whether the pivot was shaken. */
     this.isShaken = minute.shakenAt > start;
@@ -270,7 +234,7 @@ export class Kept {
     this.cosine = { ...cosine, start,
       phase: (cosine.phase + cosine.frequency * (start - cosine.start)) % (2 * Math.PI) };
     this.changes = changes.filter(({ time }) => time >= start);
-    const row = (/** @type {string} */ name) => minute.places[name].map((place) => samples.at(first, place));
+    const row = (/** @type {string} */ name) => minute.places[name].map((place) => samples[first][place]);
     /** @type {Case} */
     this.case = { ...minute.case, system, angles: row("angle"), velocities: row("angular_velocity"), distances: [] };
   }
@@ -318,7 +282,7 @@ export class Kept {
 
   /** The instants of its samples, from its beginning on. */
   get times() {
-    return this.minute.samples.column(TIME, this.first).map((time) => time - this.start);
+    return column(this.minute.samples, TIME, this.first).map((time) => time - this.start);
   }
 
   /** Return the run of the same start and drive; null where the pivot was shaken. */
@@ -340,7 +304,7 @@ export class Kept {
    */
   deviation({ columns }) {
     const gaps = columns.angle.flatMap((angles, ball) => {
-      const seen = this.minute.samples.column(this.minute.places.angle[ball], this.first);
+      const seen = column(this.minute.samples, this.minute.places.angle[ball], this.first);
       return Array.from(angles, (angle, i) => Math.abs(angle - seen[i]));
     });
     return gaps.reduce((most, gap) => Math.max(most, gap), 0);
@@ -352,7 +316,7 @@ export class Kept {
    */
   columns() {
     const { samples, places, ledger } = this.minute;
-    const of = (/** @type {number[]} */ all) => all.map((place) => samples.column(place, this.first));
+    const of = (/** @type {number[]} */ all) => all.map((place) => column(samples, place, this.first));
     /** @type {Record<string, Float64Array[]>} */
     const columns = {};
     for (const [name, all] of Object.entries(places)) {
@@ -374,11 +338,11 @@ export class Kept {
   contactColumns() {
     const { angles, suspension } = this.case.system;
     const { layout, contacts } = this.minute;
-    const column = (/** @type {number} */ place) => contacts.column(place, this.firstContact);
-    const each = (/** @type {number} */ first) => Array.from({ length: angles }, (_, ball) => column(first + ball));
-    const values = Array.from({ length: layout.contact_rows.count }, (_, row) => column(2 + row));
+    const of = (/** @type {number} */ place) => column(contacts, place, this.firstContact);
+    const each = (/** @type {number} */ first) => Array.from({ length: angles }, (_, ball) => of(first + ball));
+    const values = Array.from({ length: layout.contact_rows.count }, (_, row) => of(2 + row));
     return {
-      contact_time: [column(TIME).map((time) => time - this.start)], contact_kind: [column(1)],
+      contact_time: [of(TIME).map((time) => time - this.start)], contact_kind: [of(1)],
       angular_velocity_before: each(2), angular_velocity_after: each(2 + angles),
       ...(suspension === "string" ? onStrings(layout, values, angles) : {}),
     };

@@ -160,17 +160,6 @@ export class Toy {
     return { height, velocity, acceleration };
   }
 
-  /** The kinetic and the potential energy of all balls on show [J]. */
-  get energies() {
-    const { ball_rows } = this.kernels.layout;
-    const { balls, contacts } = this.system;
-    const twins = contacts && balls.length === 1 ? 2 : 1;
-    const [kinetic, potential] = ["kinetic_energy", "potential_energy"].map((name) =>
-      balls.reduce((sum, _, i) =>
-        sum + twins * this.present.out[i * ball_rows.length + ball_rows.indexOf(name)], 0));
-    return { kinetic, potential };
-  }
-
   /**
    * Take new values of controls, from now on; if one is wrong none is taken.
    * @param {Record<string, number>} values in SI units

@@ -11,7 +11,7 @@ import { Motion } from "../player/motion.js";
 import { Player } from "../player/player.js";
 import { presetField } from "../page/presets.js";
 import { inPagesWords, warningsText } from "../page/refusals.js";
-import { LongRunError, Runner } from "../player/runner.js";
+import { Runner } from "../player/runner.js";
 import { withStart } from "../player/start.js";
 import { FIRST, HELD } from "../page/state.js";
 import { DEGREE } from "../page/unit_text.js";
@@ -289,26 +289,19 @@ export class ToyView {
     return [from, to + (to - from)];
   }
 
-  /**
-   * Simulate what the address asks for, and show it.
-   * @param {boolean} [isAgreed] however long that takes
-   */
-  async simulate(isAgreed = false) {
+  /** Simulate what the address asks for, and show it. */
+  async simulate() {
     const { store } = this.page;
     const { scenario: chosen } = store.state;
     const { scenario, options } = this.request();
     this.presets.show(scenario);
     this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
-    const waiting = setTimeout(() => {
-      this.wait();
-      // The button that agreed is gone.
-      if (isAgreed) this.page.messages.root.querySelector("button")?.focus();
-    }, isAgreed ? 0 : PATIENCE);
+    const waiting = setTimeout(() => this.wait(), PATIENCE);
     const { kept } = this;
     this.isThinned = this.isSliding;
     const pending = kept ? Promise.resolve(kept)
-      : this.runner.compute({ scenario, options }, { isAgreed, stretch: this.isThinned ? this.stretch : null });
+      : this.runner.compute({ scenario, options }, { stretch: this.isThinned ? this.stretch : null });
     try {
       const block = await pending;
       // A run that was under way when another preset was chosen.
@@ -326,10 +319,6 @@ export class ToyView {
     } catch (error) {
       if (error instanceof DOMException && error.name === "AbortError") return;
       if (!(error instanceof Error)) throw error;
-      if (error instanceof LongRunError) {
-        this.note(error.message, [{ label: t("computeLong"), act: () => void this.simulate(true) }]);
-        return;
-      }
       this.refuse(error);
     } finally {
       clearTimeout(waiting);

@@ -49,3 +49,7 @@ def _shortened(curve: xr.Dataset) -> xr.Dataset:
             )
             shortened[name] = variable.copy(data=digits.reshape(variable.shape))
     return shortened
+
+
+if __name__ == "__main__":
+    write_shipped()
