@@ -159,6 +159,7 @@ def test_curves_are_walked_along_switched_off_and_opened_in_toy(page):
     wait_for_curves(page, 2)
     assert "map.off" not in page.url
     # A point of the fold, clicked a few pixels beside it.
+    page.evaluate("() => scrollTo(0, 0)")
     spot = page.evaluate(
         """() => {
           const { chart, over } = window.latolato.views.map;
