@@ -45,8 +45,8 @@ test("a coarse point colours its neighbours until they have their own", () => {
   assert.equal(found.values[0][1], 7);
   assert.equal(found.values[0][5], 8);
   assert.equal(found.values[0][6], 4);
-  assert.equal(found.read(6, 0).exact, false);
-  assert.equal(found.read(5, 0).exact, true);
+  assert.equal(found.isKnown(6), false);
+  assert.equal(found.isKnown(5), true);
   // A coarse chunk that comes late changes nothing that is known better.
   found.put(cells([10], [2], [9]));
   assert.equal(found.values[0][5], 8);

@@ -65,23 +65,20 @@ export function requestOf(registry, state) {
     const value = get(name);
     return value === null || !Number.isFinite(Number(value)) ? null : Number(value);
   };
+  const log = (/** @type {Which} */ which) => {
+    const text = get(`${which}log`);
+    return text === null ? null : text === "1";
+  };
   const { scenario, stored } = sourceOf(registry, state);
   const observable = get("observable");
   if (stored) {
     const select = Object.fromEntries(Object.entries(state.extra)
       .filter(([name]) => name.startsWith(TAKEN))
       .map(([name, v]) => [name.slice(TAKEN.length), Math.abs(Math.round(Number(v))) || 0]));
-    const log = (/** @type {"x" | "y"} */ which) => ({ 0: false, 1: true })[
-      /** @type {0 | 1} */ (number(`${which}log`))] ?? null;
     return { stored, observable, select, xlog: log("x"), ylog: log("y") };
   }
-  const axis = (/** @type {"x" | "y"} */ which) => {
-    const log = get(`${which}log`);
-    const entries = Object.entries({ name: get(which), low: number(`${which}low`),
-      high: number(`${which}high`), log: log === null ? null : log === "1" });
-    const said = entries.filter(([, value]) => value !== null);
-    return said.length ? Object.fromEntries(said) : null;
-  };
+  const axis = (/** @type {Which} */ which) =>
+    ({ name: get(which), low: number(`${which}low`), high: number(`${which}high`), log: log(which) });
   const named = number("size");
   const size = named ?? USUAL_SIZE;
   const base = scenario ?? state.scenario ?? (state.options.system ? null : FIRST);

@@ -14,8 +14,8 @@ import { t } from "../strings.js";
  * are spaced evenly in their logarithm.
  * @typedef {{name: string, low: number, high: number, log: boolean}} Span
  *
- * An axis as a page asks for it; what is left out stands for what is usual.
- * @typedef {Partial<Span> | null} Asked
+ * An axis as a page asks for it; null, and what is left out, stand for what is usual.
+ * @typedef {{[K in keyof Span]?: Span[K] | null} | null} Asked
  *
  * What ranges depend on: the parameters that do not vary, and the sweep of a scenario, if any.
  * @typedef {{options: Record<string, any>, sweep: any}} Origin
@@ -95,11 +95,10 @@ export function spansOf(registry, origin, asked) {
   const [y, x] = usual.sort((a, b) =>
     Number(FREQUENCIES.includes(a)) - Number(FREQUENCIES.includes(b)));
   const chosen = [x, y].map((own, k) => {
-    const { name = own, ...rest } = asked[k] ?? {};
+    const name = asked[k]?.name ?? own;
     if (!known.includes(name))
       throw unknown("parameter", name, known);
-    return checked(registry.axes[name], { ...spanOf(registry, origin, name, rest), name },
-      k === 0 ? "x" : "y");
+    return checked(registry.axes[name], spanOf(registry, origin, name, asked[k]), k === 0 ? "x" : "y");
   });
   const [a, b] = chosen.map(({ name }) => registry.axes[name].label);
   if (setBy(chosen[0].name) === setBy(chosen[1].name))
@@ -113,14 +112,14 @@ export function spansOf(registry, origin, asked) {
  * @param {Registry} registry
  * @param {Origin} origin
  * @param {string} name
- * @param {Omit<NonNullable<Asked>, "name">} ends
+ * @param {Asked} asked
  * @returns {Span}
  */
-function spanOf(registry, origin, name, ends) {
+function spanOf(registry, origin, name, asked) {
   const [least, most] = suggestedRange(registry, origin, name);
-  const high = ends.high ?? most;
-  const log = ends.log ?? false;
-  const low = ends.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
+  const high = asked?.high ?? most;
+  const log = asked?.log ?? false;
+  const low = asked?.low ?? (log && !(least > 0) && high > 0 ? LOG_SPAN * high : least);
   return { name, low, high, log };
 }
 

@@ -1,7 +1,7 @@
 /** The cells of a map: what is known of each, and where they lie. */
 
 import { axisLimits, SINGLE } from "../player/axis.js";
-import { before } from "../player/motion.js";
+import { before, range } from "../player/motion.js";
 
 /**
  * What a map is of: `parameters` are those of the system that do not vary [SI], by their names, and
@@ -116,20 +116,15 @@ export class Grid {
   }
 
   /**
-   * A cell's value, or why there is none.
+   * Return why a cell has no value, null if it has one.
    * @param {number} at
    * @param {number} k place of the variable
-   * @returns {{value: number, why: "" | "notYet" | "noAnswer" | "noValue", status: string,
-   *   exact: boolean}}
    */
-  read(at, k) {
+  lack(at, k) {
     const status = this.status[at];
-    const value = this.values[k]?.[at] ?? NaN;
-    const name = this.about.statuses?.[status] ?? "";
-    const exact = this.isKnown(at);
-    if (status === NOT_YET) return { value: NaN, why: "notYet", status: "", exact };
-    if (status >= FIRST_BAD) return { value: NaN, why: "noAnswer", status: name, exact };
-    return { value, why: Number.isNaN(value) ? "noValue" : "", status: name, exact };
+    if (status === NOT_YET) return "notYet";
+    if (status >= FIRST_BAD) return "mapNone";
+    return Number.isNaN(this.values[k][at]) ? "noValue" : null;
   }
 
   /** Return how many cells have no answer. */
@@ -144,16 +139,8 @@ export class Grid {
    * @returns {[number, number]}
    */
   range(k, positive = false) {
-    let low = Infinity;
-    let high = -Infinity;
-    const values = this.values[k] ?? [];
-    for (let i = 0; i < values.length; i += 1) {
-      const value = values[i];
-      if (!Number.isFinite(value) || (positive && value <= 0)) continue;
-      if (value < low) low = value;
-      if (value > high) high = value;
-    }
-    if (!(low <= high)) return positive ? [0.1, 1] : [0, 1];
-    return axisLimits(low, high, SINGLE); // finer ones cannot be read off
+    const values = this.values[k].filter((value) => Number.isFinite(value) && !(positive && value <= 0));
+    if (!values.length) return positive ? [0.1, 1] : [0, 1];
+    return axisLimits(...range(values), SINGLE); // finer ones cannot be read off
   }
 }

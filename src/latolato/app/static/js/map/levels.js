@@ -2,6 +2,7 @@
 
 import { InputError } from "../model/rules.js";
 import { logTicks, ticks } from "../player/axis.js";
+import { range } from "../player/motion.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -71,8 +72,8 @@ function completeStride(grid) {
   const isKnown = () => {
     for (let row = 0; row < height; row += stride)
       for (let column = 0; column < width; column += stride) {
-        const { exact, why } = grid.read(row * width + column, 0);
-        if (!exact || why === "notYet") return false;
+        const at = row * width + column;
+        if (!grid.isKnown(at) || grid.lack(at, 0) === "notYet") return false;
       }
     return true;
   };
@@ -85,8 +86,7 @@ function completeStride(grid) {
  * @param {Float64Array} numbers
  */
 function extent(numbers) {
-  const [low, high] = numbers.reduce(([a, b], each) => [Math.min(a, each), Math.max(b, each)],
-    [Infinity, -Infinity]);
+  const [low, high] = range(numbers);
   return high - low;
 }
 

@@ -43,12 +43,13 @@ export function cellText(grid, cell, k) {
   const column = cell % grid.width;
   const line = (cell - column) / grid.width;
   const variable = grid.variables[k];
-  const { value, why, status, exact } = grid.read(cell, k);
+  const value = grid.values[k][cell];
+  const lack = grid.lack(cell, k);
   let words = withUnit(variable, value);
-  if (why) words = t(why === "noAnswer" ? "mapNone" : why, { status });
+  if (lack) words = t(lack, { status: grid.about.statuses[grid.status[cell]] });
   else if (variable.words) words = wordOf(variable, value);
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
-  const coarse = exact || why ? "" : ` ${t("mapCoarse")}`;
+  const coarse = grid.isKnown(cell) || lack ? "" : ` ${t("mapCoarse")}`;
   return [withName(grid.x, grid.x.values[column]), withName(grid.y, grid.y.values[line]),
     `${variable.label}: ${words}${coarse}`].join(" · ");
 }
