@@ -155,7 +155,7 @@ FILMS: dict[str, Limits] = {
     "clutter two": Limits(0.68, ok=0.97, former=0.843),
     "free": Limits(0.87, former=0.849),
     "top two": Limits(0.48, ok=0.96, ratio=(0.4, 2.0), former=0.520),
-    "dot": Limits(0.83, ok=0.93),
+    "dot": Limits(0.58, ok=0.93),
     "arms": Limits(0.89),
     # A fifth of the pictures repeats another. A hand hides a third of the ball for a second. What
     # may be a lens makes an oval uncertain.

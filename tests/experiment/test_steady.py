@@ -74,11 +74,17 @@ def _shaken(pixels):
     return picture
 
 
-def test_a_hand_that_shakes_is_corrected_and_said(film, tmp_path):
+@pytest.fixture(scope="module")
+def shaken(film, tmp_path_factory):
+    """The file that an unsteady hand filmed, and its true table."""
     path, truth = film("texture", background="texture")
-    shaken = rewritten(path, tmp_path / "shaken.mp4", _shaken(2.5))
+    return rewritten(path, tmp_path_factory.mktemp("hand") / "shaken.mp4", _shaken(2.5)), truth
+
+
+def test_a_hand_that_shakes_is_corrected_and_said(shaken):
+    path, truth = shaken
     start = 2.5 * np.sin(0.4)
-    table, warned, errors, ratios = _tracked(shaken, truth, (LEFT, TOP - start))
+    table, warned, errors, ratios = _tracked(path, truth, (LEFT, TOP - start))
     assert "the camera moves by up to" in warned
     assert "corrected on the background" in warned
     # By 2.5 pixels each way, from where it was at first.
@@ -89,14 +95,13 @@ def test_a_hand_that_shakes_is_corrected_and_said(film, tmp_path):
     assert np.sqrt(np.mean(ratios**2)) < 1.5
 
 
-def test_a_page_draws_marks_where_an_unsteady_camera_shows_the_ball(film, tmp_path):
-    path, truth = film("texture", background="texture")
-    shaken = rewritten(path, tmp_path / "shaken.mp4", _shaken(2.5))
+def test_a_page_draws_marks_where_an_unsteady_camera_shows_the_ball(shaken):
+    path, truth = shaken
     clicks = truth.attrs
     start = np.array([LEFT, TOP - 2.5 * np.sin(0.4)])
     wide = np.array([clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]])
     ball = np.array([clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]])
-    task = prepare(shaken, wide - start, [ball - start], {"length": SWING.length})
+    task = prepare(path, wide - start, [ball - start], {"length": SWING.length})
     table = run(task)
     _, points = unpack(points_block(table, task.video, table.time.values))
     ones = np.vstack([points["centre"], np.ones(table.sizes["frame"])])
@@ -112,7 +117,7 @@ def test_a_page_draws_marks_where_an_unsteady_camera_shows_the_ball(film, tmp_pa
     # Where a frame is corrected by hand, the page draws the place that was clicked.
     at = int(np.argmax(np.hypot(*(points["centre"] - shown))))
     options = {"length": SWING.length, "corrections": ((at, 1, *shown[:, at]),)}
-    task = prepare(shaken, wide - start, [ball - start], options)
+    task = prepare(path, wide - start, [ball - start], options)
     table = run(task)
     assert table.flag_1.values[at] == "manual"
     _, points = unpack(points_block(table, task.video, table.time.values))
@@ -152,8 +157,6 @@ def test_pictures_that_come_twice_are_said_and_not_measured(film, tmp_path):
     assert "4 frames repeat the previous picture" in warned
     assert set(np.flatnonzero(table.flag_1 != "ok")) == late
     assert np.abs(ratios).max() < 4.0
-    _, warned, _, _ = _tracked(path, truth)
-    assert "repeat" not in warned
 
 
 def test_frames_that_are_missing_are_said():
@@ -178,7 +181,11 @@ def test_errors_of_time_stamps_are_in_the_deviations(film, tmp_path):
     # All angles share the error of gravity's direction.
     sigmas = np.sqrt(sigmas**2 - table.attrs["angle_offset_sigma"] ** 2)
     assert 0.3 < np.sqrt(np.mean(((errors - errors.mean()) / sigmas) ** 2)) < 1.3
-    _, warned, _, _ = _tracked(path, truth)
+
+
+def test_pictures_at_their_times_are_warned_of_nothing(film):
+    _, warned, _, _ = _tracked(*film("plain"))
+    assert "repeat" not in warned
     assert "time stamps" not in warned
 
 

@@ -1,5 +1,7 @@
 """Bobs that are no discs, by a template: their true angles lie within the errors."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -20,22 +22,34 @@ CLIPS = {
 @pytest.fixture(scope="session")
 def filmed(tmp_path_factory):
     """Return a function that films a bob once: the file and the true angles."""
-    folder, made = tmp_path_factory.mktemp("bobs"), {}
+    folder = tmp_path_factory.mktemp("bobs")
 
+    @cache
     def get(name):
-        if name not in made:
-            path = folder / f"{name}.mp4"
-            made[name] = path, bobs.write_clip(path, bobs.SHAPES[name], seconds=1.6, **CLIPS[name])
-        return made[name]
+        path = folder / f"{name}.mp4"
+        return path, bobs.write_clip(path, bobs.SHAPES[name], seconds=1.6, **CLIPS[name])
+
+    return get
+
+
+@pytest.fixture(scope="session")
+def tracked(filmed):
+    """Return a function that tracks a bob once: the true angles and the table."""
+
+    @cache
+    def get(name):
+        path, true = filmed(name)
+        pivot, bob = bobs.places(true[0])
+        return true, ll.track(
+            path, pivot=pivot, balls=[bob], length=0.3, shape="template", patch=64
+        )
 
     return get
 
 
 @pytest.mark.parametrize("name", CLIPS)
-def test_angles_of_a_bob_that_is_no_disc_lie_within_their_errors(filmed, name):
-    path, true = filmed(name)
-    pivot, bob = bobs.places(true[0])
-    table = ll.track(path, pivot=pivot, balls=[bob], length=0.3, shape="template", patch=64)
+def test_angles_of_a_bob_that_is_no_disc_lie_within_their_errors(tracked, name):
+    true, table = tracked(name)
     ok = table.flag_1.values == "ok"
     assert ok.mean() > (0.85 if CLIPS[name].get("hand") else 0.98)
     error = table.angle_1.values[ok] - true[ok]
@@ -48,10 +62,8 @@ def test_angles_of_a_bob_that_is_no_disc_lie_within_their_errors(filmed, name):
     assert "exposure" not in table.attrs
 
 
-def test_a_hand_before_the_bob_is_no_part_of_it(filmed):
-    path, true = filmed("bottle")
-    pivot, bob = bobs.places(true[0])
-    table = ll.track(path, pivot=pivot, balls=[bob], length=0.3, shape="template", patch=64)
+def test_a_hand_before_the_bob_is_no_part_of_it(tracked):
+    true, table = tracked("bottle")
     flags = table.flag_1.values
     assert set(flags[40:60]) - {"ok"}
     measured = np.isin(flags, ["ok", "occluded"])

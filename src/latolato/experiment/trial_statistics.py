@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.experiment.calibration.parabola import parabola_top
 from latolato.observables.angles import MotionClass
 
 Floats = NDArray[np.float64]
@@ -116,18 +117,6 @@ def turning_points(
             continue
         when[i], sizes[i] = parabola_top(time[near], size[near])
     return when, sizes, sigma[places]
-
-
-def parabola_top(x: Floats, y: Floats) -> tuple[float, float]:
-    """Place and height of the top of the parabola through three samples.
-
-    Those of the second sample where the parabola opens upwards.
-    """
-    a, b, c = np.polyfit(x - x[1], y, 2)
-    if a >= 0.0:
-        return float(x[1]), float(y[1])
-    top = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
-    return float(x[1] + top), float(a * top * top + b * top + c)
 
 
 def largest_of(

@@ -8,6 +8,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+# Least error of a place [pixels].
+_LEAST = 0.45
+
 
 @dataclass(frozen=True)
 class Bow:
@@ -119,6 +122,12 @@ class CircleFit:
         """Of column, row and radius [pixels^2], shape (3, 3)."""
         slopes = self.bow.slopes
         return np.asarray(slopes @ self.spread[:3, :3] @ slopes.T)
+
+    @property
+    def vague(self) -> float:
+        """Error of the centre over the arm, of places with errors as large as the residual."""
+        spread = math.sqrt(float(np.trace(self.covariance[:2, :2])))
+        return spread * max(self.residual, _LEAST) / self.arm
 
     @property
     def residual(self) -> float:

@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_count
+from latolato.experiment.calibration.parabola import parabola_top
 from latolato.experiment.comparison.uncertainties import (
     LATE,
     Floats,
@@ -21,7 +22,6 @@ from latolato.experiment.comparison.uncertainties import (
     run_at,
     variable,
 )
-from latolato.experiment.trial_statistics import parabola_top
 from latolato.experiment.trial_table import checked_trials
 from latolato.physics.pendulum import OneBall, System
 from latolato.sweeps.plan import make_plan

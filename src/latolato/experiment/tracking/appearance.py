@@ -42,7 +42,6 @@ class Colours(NamedTuple):
         planes: tuple[np.ndarray, ...],
         corner: Sequence[int] | np.ndarray,
         shape: tuple[int, int],
-        stride: int = 1,
         whiten: np.ndarray = _UNCHANGED,
         every: int = 1,
     ) -> np.ndarray:
@@ -52,7 +51,7 @@ class Colours(NamedTuple):
         """
         out = np.empty((*shape, 3), np.float32)
         at = int(corner[0]), int(corner[1])
-        kernels.window(planes, at, stride, (self.table, self.mix), whiten, every, out)
+        kernels.window(planes, at, (self.table, self.mix), whiten, every, out)
         return out
 
 
@@ -150,32 +149,28 @@ class Appearance:
         planes: tuple[np.ndarray, ...],
         corner: np.ndarray,
         shape: tuple[int, int],
-        stride: int = 1,
         every: int = 1,
     ) -> Patch:
         """Return a window of a frame and its background in whitened colours."""
-        seen = self.colours.window(planes, corner, shape, stride, self.whiten, every)
-        behind = self.background(corner, shape, stride)
+        seen = self.colours.window(planes, corner, shape, self.whiten, every)
+        behind = self.background(corner, shape)
         return Patch(seen, behind, corner.astype(float), every)
 
     def wall(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         """Return the background of a window in linear light."""
         return self.background(corner, shape) @ np.linalg.inv(self.whiten).T
 
-    def background(self, corner: np.ndarray, shape: tuple[int, int], stride: int = 1) -> np.ndarray:
+    def background(self, corner: np.ndarray, shape: tuple[int, int]) -> np.ndarray:
         """Return the whitened background of a window; NaN beyond the part that was learned."""
         x, y = np.asarray(corner) - self.corner
         height, width = self.behind.shape[:2]
         rows, columns = shape
-        if x >= 0 and y >= 0 and x + stride * columns <= width and y + stride * rows <= height:
-            return self.behind[y : y + stride * rows : stride, x : x + stride * columns : stride]
+        if x >= 0 and y >= 0 and x + columns <= width and y + rows <= height:
+            return self.behind[y : y + rows, x : x + columns]
         out = np.full((rows, columns, 3), np.nan, np.float32)
-        # The first ones that were learned, and those beyond.
-        i0, j0 = max(0, -(x // stride)), max(0, -(y // stride))
-        i1, j1 = max(0, -((x - width) // stride)), max(0, -((y - height) // stride))
-        known = self.behind[y + stride * j0 :: stride, x + stride * i0 :: stride]
-        inside = out[j0:j1, i0:i1]
-        inside[:] = known[: inside.shape[0], : inside.shape[1]]
+        left, top = max(x, 0), max(y, 0)
+        known = self.behind[top : max(y + rows, 0), left : max(x + columns, 0)]
+        out[top - y :, left - x :][: known.shape[0], : known.shape[1]] = known
         return out
 
 

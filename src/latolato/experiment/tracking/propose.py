@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.circle_fit import CircleFit
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.detect import shrunk
@@ -19,7 +20,7 @@ from latolato.experiment.tracking.link import (
     link_clicked,
     link_movers,
 )
-from latolato.experiment.tracking.orbit import Orbit, better, circle, driven_circle
+from latolato.experiment.tracking.orbit import better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.video import Frame, Video
@@ -37,15 +38,15 @@ _ALL_WAY = 0.35
 # How much longer than wide a thing is a rod, and no ball.
 _LONG = 5.0
 # How far off a circle something is half as likely a ball: pixels and share of its way.
-_LOOSE, _LOOSE_SHARE = 0.5, 0.01
+_LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
 # How near centres of circles are that are one pivot, as a share of the larger arm.
 _ONE_PIVOT = 0.03
 # Pixels, and share of the arm, that a ball may lie off the circle.
-_OFF, _OFF_SHARE = 3.0, 0.02
+_OFF, _OFF_SHARE = 4.5, 0.03
 # Residual from which a circle is good enough to look no further: pixels and share of the arm.
-_ROUND, _ROUND_SHARE = 0.5, 0.002
+_ROUND, _ROUND_SHARE = 0.75, 0.003
 # Uncertainty of the circle's centre, as a share of the arm, above which there is no pivot.
 _VAGUE = 0.04
 # Arm of the coarse pictures in which the pivot is followed [pixels].
@@ -235,7 +236,9 @@ def _some(places: np.ndarray) -> np.ndarray:
     return known[:: max(1, len(known) // _ENOUGH)]
 
 
-def _circles(tracks: list[np.ndarray], times: np.ndarray) -> tuple[Orbit | None, Orbit | None]:
+def _circles(
+    tracks: list[np.ndarray], times: np.ndarray
+) -> tuple[CircleFit | None, CircleFit | None]:
     """Return the circle of tracks about one pivot at rest, and about a driven one."""
     groups = [
         np.array([place for place in places if np.isfinite(place[0])]).reshape(-1, 2)
@@ -252,7 +255,7 @@ def _rounded(place: np.ndarray) -> Place:
     return round(float(place[0]), 1), round(float(place[1]), 1)
 
 
-def _pivot(video: Video, sample: Sample, tracks: list[np.ndarray]) -> Orbit | None:
+def _pivot(video: Video, sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
     """Return the circle about the pivot whose motion makes the balls' paths most nearly one.
 
     `tracks` are places (frame, 2). Balls at different distances from one pivot at rest have a
@@ -285,14 +288,14 @@ def _pivot(video: Video, sample: Sample, tracks: list[np.ndarray]) -> Orbit | No
     return best if inside and best.vague < _VAGUE else None
 
 
-def _is_round(orbit: Orbit) -> bool:
+def _is_round(orbit: CircleFit) -> bool:
     """Return whether a circle is good enough to look no further."""
     return orbit.residual < _ROUND + _ROUND_SHARE * orbit.arm and orbit.vague < _VAGUE
 
 
 def _followed(
-    video: Video, frames: list[Frame], places: list[np.ndarray], first: Orbit
-) -> Orbit | None:
+    video: Video, frames: list[Frame], places: list[np.ndarray], first: CircleFit
+) -> CircleFit | None:
     """Return the circle about a pivot that is followed in the picture from where it may be."""
     size = np.array([video.width, video.height])
     # A third of the pairs of frames is enough, and so are coarse pictures.
@@ -301,7 +304,7 @@ def _followed(
     # Chroma is not needed.
     coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
     median = median_planes(coarse)[0]
-    best: Orbit | None = None
+    best: CircleFit | None = None
     for trial in _TRIALS:
         centre, arm = first.centre + np.array([0.0, trial * first.arm]), first.arm
         for _ in range(3):

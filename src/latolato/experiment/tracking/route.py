@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from latolato.experiment.calibration.parabola import parabola_top
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.tracking.detect import Blobs, Copies, detect
 from latolato.experiment.tracking.link import (
@@ -397,15 +398,12 @@ def _traced(
                 break
             match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
             _, scores[frame], _, (x, y) = cv2.minMaxLoc(match)
-            at = np.array([u - reach + x + _top(match[y], x), v - reach + y + _top(match[:, x], y)])
+            at = np.array([u - reach + _top(match[y], x), v - reach + _top(match[:, x], y)])
             out[frame] = (at - half - reach - 1 + 0.5) * shrink - 0.5
     return out, float(np.median(scores))
 
 
 def _top(values: np.ndarray, at: int) -> float:
-    """Return how far from its largest value the top of a parabola through the neighbours is."""
-    if not 0 < at < len(values) - 1:
-        return 0.0
-    left, middle, right = (float(value) for value in values[at - 1 : at + 2])
-    bend = left - 2.0 * middle + right
-    return 0.5 * (left - right) / bend if bend < 0.0 else 0.0
+    """Return where values are largest, between the places of their largest and its neighbours."""
+    near = np.arange(at - 1, at + 2)
+    return parabola_top(near, values[near])[0] if 0 < at < len(values) - 1 else float(at)

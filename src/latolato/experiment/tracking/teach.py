@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.parabola import parabola_top
 from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.body import learn_body
@@ -83,18 +84,17 @@ def learn_look(
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
     teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
-    if look.body is not None:
+    has_edge = look.body is None and look.radius >= SMALLEST_DISC
+    if has_edge:
+        _learn_edge(look, frames, teachers, sightings, arm, is_first)
+        _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
+    elif look.body is not None:
         learn_body(look, frames, teachers, medians)
-        _learn_noise(look, frames, good)
-        return arm
-    if look.radius < SMALLEST_DISC:  # smears are longer than it, and hide colours and edge
+    else:  # smears are longer than it, and hide its colours
         look.radius_sigma = look.blur
-        _learn_noise(look, frames, good)
-        return arm
-    _learn_edge(look, frames, teachers, sightings, arm, is_first)
-    _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
     clear = _learn_noise(look, frames, good)
-    _learn_variance(look, frames, teachers, clear)
+    if has_edge:
+        _learn_variance(look, frames, teachers, clear)
     return arm
 
 
@@ -306,21 +306,11 @@ def learn_exposure(
             if share not in costs:
                 costs[share] = cost(share)
         middle, step = min(costs, key=costs.__getitem__), 0.5 * step
-    look.exposure = _least(costs)
-
-
-def _least(costs: dict[float, float]) -> float:
-    """The minimum of costs, on the parabola through the least one and its neighbours."""
     places = sorted(costs)
-    at = min(range(len(places)), key=lambda k: costs[places[k]])
-    if at in (0, len(places) - 1):
-        return places[at]
-    (a, b, c), (p, q, r) = places[at - 1 : at + 2], [costs[x] for x in places[at - 1 : at + 2]]
-    bend = (r - q) / (c - b) - (q - p) / (b - a)
-    if not bend > 0.0:
-        return b
-    slope = (q - p) / (b - a)
-    return min(max(0.5 * (a + b) - 0.5 * slope * (c - a) / bend, a), c)
+    at, look.exposure = places.index(middle), middle
+    if 0 < at < len(places) - 1:
+        near = places[at - 1 : at + 2]
+        look.exposure, _ = parabola_top(near, [-costs[place] for place in near])
 
 
 def _cost_in_window(

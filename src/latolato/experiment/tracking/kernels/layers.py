@@ -111,7 +111,6 @@ def _chroma(plane: np.ndarray, column: float, row: float) -> float:
 def window(
     planes: tuple[np.ndarray, ...],
     corner: tuple[int, int],
-    stride: int,
     colours: tuple[np.ndarray, np.ndarray],
     whiten: np.ndarray,
     every: int,
@@ -126,9 +125,9 @@ def window(
     table, mix = colours
     rows, columns = out.shape[0], out.shape[1]
     for j in range(rows):
-        y = corner[1] + stride * j
+        y = corner[1] + j
         for i in range(3 * j % every, columns, every):
-            x = corner[0] + stride * i
+            x = corner[0] + i
             if x < 0 or y < 0 or x >= luma.shape[1] or y >= luma.shape[0]:
                 out[j, i] = np.nan
                 continue
