@@ -27,7 +27,9 @@ def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(cor
     guess = ll.Pendulum(length=0.35, mass=0.108, damping=0.004)
     misses = []
     for seed in range(8):
-        table = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, correlation=correlation)
+        table = motion_table(
+            PENDULUM, SLOW, initial_angle=0.3, seed=seed, correlation=correlation, duration=6.0
+        )
         fit = fit_model(table, guess)
         truths = {"length": 0.363, "damping": 0.00274}
         misses += [(fit[name].value - x) / fit[name].sigma for name, x in truths.items()]
@@ -39,7 +41,7 @@ def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(cor
 
 def test_parameters_that_no_sample_tells_apart_are_named():
     # On a pivot at rest the motion depends on g/l and, with all of it, on the damping over l.
-    table = motion_table(PENDULUM, initial_angle=0.5, duration=10.0)
+    table = motion_table(PENDULUM, initial_angle=0.5, duration=4.0)
     with pytest.raises(InputError, match="do not tell gravity and length apart"):
         fit_model(table, PENDULUM, vary=["gravity", "length", "damping"])
 
@@ -49,11 +51,11 @@ def test_a_pivot_seen_aside_is_within_the_deviations():
     misses, driven = [], []
     for seed in range(6):
         aside = {"size": 1.2e-4, "pivot_error": np.random.default_rng(seed).normal(0.0, PLACE, 2)}
-        still = motion_table(PENDULUM, initial_angle=0.7, seed=seed, duration=10.0, **aside)
+        still = motion_table(PENDULUM, initial_angle=0.7, seed=seed, duration=6.0, **aside)
         fit = fit_model(still, guess)
         misses += [(fit["length"].value - 0.363) / fit["length"].sigma]
         misses += [(fit["damping"].value - 0.00274) / fit["damping"].sigma]
-        moved = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, duration=8.0, **aside)
+        moved = motion_table(PENDULUM, SLOW, initial_angle=0.3, seed=seed, duration=5.0, **aside)
         fit = fit_model(moved, guess)
         driven += [(fit["length"].value - 0.363) / fit["length"].sigma]
     # Without the pivot's error half of them miss by more.
@@ -74,7 +76,7 @@ def test_a_pivot_far_from_its_place_in_the_table_is_doubted():
 
 
 def test_the_scale_that_a_misplaced_pivot_gives_widens_what_a_drive_tells():
-    sure = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=8.0, pivot_error=(0.0, 0.0))
+    sure = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=5.0, pivot_error=(0.0, 0.0))
     vague = sure.copy()
     vague.attrs = {**sure.attrs, "pivot_offset_y_sigma": 3.0}
     one, other = (fit_model(table, PENDULUM, "measured") for table in (sure, vague))
@@ -82,19 +84,19 @@ def test_the_scale_that_a_misplaced_pivot_gives_widens_what_a_drive_tells():
 
 
 def test_the_mirrored_pair_knows_its_pivot_by_one_part():
-    table = motion_table(TOY, FAST, initial_angle=0.5, pivot_error=(0.5, 0.3), duration=10.0)
+    table = motion_table(TOY, FAST, initial_angle=0.5, pivot_error=(0.5, 0.3), duration=5.0)
     near(fit_model(table, TOY, FAST), length=0.245, damping=0.005, restitution=0.9)
 
 
 def test_the_spline_of_a_measured_pivot_may_be_the_drive():
-    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=6.0)
+    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=4.0)
     fit = fit_model(table, PENDULUM, "measured", vary=["length"])
     assert fit.dataset.attrs["drive"] == "measured_pivot"
     assert fit["length"].value == pytest.approx(0.363, rel=2e-3)
 
 
 def test_a_colliding_pair_gives_its_restitution():
-    table = motion_table(TOY, FAST, initial_angle=0.5)
+    table = motion_table(TOY, FAST, initial_angle=0.5, duration=8.0)
     guess = ll.LatoLato(length=0.25, mass=0.106, damping=0.004, radius=0.02, restitution=0.8)
     fit = fit_model(table, guess)
     near(fit, length=0.245, damping=0.005, restitution=0.9)
@@ -102,14 +104,14 @@ def test_a_colliding_pair_gives_its_restitution():
 
 
 def test_two_balls_give_a_value_each():
-    table = motion_table(PAIR, FAST, initial_angle=(0.5, -0.3), duration=10.0)
+    table = motion_table(PAIR, FAST, initial_angle=(0.5, -0.3), duration=6.0)
     fit = fit_model(table, PAIR, FAST)
     near(fit, right_length=0.245, left_length=0.245, right_damping=0.005, restitution=0.9)
     assert fit.dataset["right_length"].attrs["long_name"].endswith("right ball")
 
 
 def test_parameters_of_the_drive_and_the_direction_of_gravity_may_vary():
-    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=10.0)
+    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=6.0)
     table["angle_1"].values[:] += 0.01
     fit = fit_model(table, PENDULUM, SLOW, vary=["drive_amplitude", "angle_offset"], profile=True)
     near(fit, drive_amplitude=0.02, angle_offset=0.01)

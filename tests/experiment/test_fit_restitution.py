@@ -17,8 +17,9 @@ def pair(restitution):
 
 @pytest.mark.parametrize("restitution, drive", [(0.9, DRIVE), (0.9, None), (0.6, DRIVE)])
 def test_two_balls_give_their_restitution_impact_by_impact(restitution, drive):
-    table = motion_table(pair(restitution), drive, initial_angle=(0.6, -0.4), duration=8.0)
+    table = motion_table(pair(restitution), drive, initial_angle=(0.6, -0.4), duration=5.0)
     fit = ll.fit_restitution(table, length=0.245, radius=0.02)
+    assert fit.describes
     pooled = fit["restitution"]
     assert abs(pooled.value - restitution) < 3.0 * pooled.sigma
     assert pooled.sigma < 0.01
@@ -29,12 +30,12 @@ def test_two_balls_give_their_restitution_impact_by_impact(restitution, drive):
     assert np.median(fit.dataset.separation_at_contact) == pytest.approx(theta, abs=5e-3)
 
 
-@pytest.mark.parametrize("restitution", [0.6, 0.75])
 @pytest.mark.parametrize(
-    "clock, length, share", [(1.0, 0.245, None), (1.03, 0.245, "slower"), (1.0, 0.257, "faster")]
+    "restitution, clock, length, share",
+    [(0.75, 1.0, 0.245, None), (0.6, 1.03, 0.245, "slower"), (0.75, 1.0, 0.257, "faster")],
 )
 def test_flights_of_another_length_are_doubted(restitution, clock, length, share):
-    table = motion_table(pair(restitution), DRIVE, initial_angle=(0.6, -0.4), duration=8.0)
+    table = motion_table(pair(restitution), DRIVE, initial_angle=(0.6, -0.4), duration=5.0)
     fit = ll.fit_restitution(table.assign_coords(time=clock * table.time), length=length)
     assert fit.describes is (share is None)
     if share is not None:
@@ -46,7 +47,7 @@ def test_flights_of_another_length_are_doubted(restitution, clock, length, share
 
 def test_one_ball_and_a_wall_give_it_too():
     toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
-    table = motion_table(toy, DRIVE, initial_angle=0.5, duration=8.0)
+    table = motion_table(toy, DRIVE, initial_angle=0.5, duration=5.0)
     table = table.drop_vars(["ball_2_x", "ball_2_y", "angle_2", "angle_sigma_2", "flag_2"])
     fit = ll.fit_restitution(table, length=0.245)
     assert abs(fit["restitution"].value - 0.9) < 3.0 * fit["restitution"].sigma
@@ -63,7 +64,7 @@ def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():
 
 
 def test_what_cannot_be_seen_is_refused():
-    swing = motion_table(ll.Pendulum(length=0.245, mass=0.1), initial_angle=0.5, duration=5.0)
+    swing = motion_table(ll.Pendulum(length=0.245, mass=0.1), initial_angle=0.5, duration=3.0)
     with pytest.raises(ValueError, match="no impact was seen well enough"):
         ll.fit_restitution(swing, length=0.245)
     with pytest.raises(ValueError, match="restitution needs length"):
