@@ -70,6 +70,14 @@ def wait(is_so):
         time.sleep(0.01)
 
 
+def begun(socket):
+    """Wait until a process works on a job; return its number."""
+    while json.loads(socket.receive()["text"])["state"] == "waiting":
+        pass
+    (process,) = workers()
+    return process
+
+
 def test_a_page_knows_what_a_file_says_of_slow_motion_and_plays_it_as_it_is(clip, tmp_path):
     path, truth = clip
     for capture_rate, is_sure in ((120.0, True), (20.0, False)):
@@ -249,8 +257,7 @@ def test_flipped_bits_break_nothing(page, clip):
 def test_a_process_that_the_system_kills_is_explained():
     with opened() as (page, store):
         with page.begin(do="example", kind="toy") as socket:
-            wait(lambda: bool(workers()))
-            os.kill(workers()[0], signal.SIGKILL)
+            os.kill(begun(socket), signal.SIGKILL)
             assert "too little memory, or a file is broken" in one_line(end_of(socket))
         assert not list(store.folder.iterdir())
 
@@ -267,10 +274,10 @@ def test_a_lack_of_memory_is_explained(monkeypatch, tmp_path):
 def test_what_is_cancelled_or_whose_page_has_gone_is_killed_and_removed():
     with opened() as (page, store):
         for leave in (lambda: None, page.socket.close):
-            with page.begin(do="example", kind="toy"):
-                wait(lambda: bool(workers()))
+            with page.begin(do="example", kind="toy") as socket:
+                process = begun(socket)
                 leave()
-            wait(lambda: not workers())
+            wait(lambda process=process: process not in workers())
             wait(lambda: not list(store.folder.iterdir()))
         assert not store.desks
 

@@ -2,6 +2,7 @@
 
 import io
 import json
+import sys
 
 import numpy as np
 import pytest
@@ -10,7 +11,7 @@ from starlette.testclient import TestClient
 import latolato as ll
 from app_server import frames_of
 from latolato.app.blocks import unpack
-from latolato.app.downloads import FPS, request_of
+from latolato.app.downloads import FPS, compute, request_of
 from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.io.files import load
@@ -124,8 +125,8 @@ def test_the_animation_is_a_film_of_the_run_at_the_speed_asked_for(client, tmp_p
         ({"scenario": "fig05", "speed": 1}, "is a map"),
     ],
 )
-def test_an_animation_that_cannot_be_made_is_refused_before_any_work(client, given, words):
-    refused, closed = film(client, given)
+def test_an_animation_that_cannot_be_made_is_refused(client, given, words):
+    *_, refused, closed = film(client, given)
     assert words in json.loads(refused["text"])["error"]
     assert closed["type"] == "websocket.close"
 
@@ -136,10 +137,10 @@ def test_a_frame_that_is_no_json_closes_the_socket(client, frame):
     assert closed["code"] == 1007
 
 
-def test_the_extra_that_animations_need_is_named(client, monkeypatch):
-    monkeypatch.setitem(__import__("sys").modules, "av", None)
-    refused, _ = film(client, {"scenario": "zeno", "speed": 1})
-    assert 'pip install ".[video]"' in json.loads(refused["text"])["error"]
+def test_the_extra_that_animations_need_is_named(monkeypatch, tmp_path):
+    monkeypatch.setitem(sys.modules, "av", None)
+    with pytest.raises(ll.InputError, match=r'pip install "\.\[video\]"'):
+        compute({"scenario": "zeno", "speed": 1}, tmp_path, print)
 
 
 def test_the_menu_stores_what_is_on_show(page, tmp_path):

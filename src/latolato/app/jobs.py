@@ -131,7 +131,7 @@ async def _result(job: Job, folder: Path) -> Result:
         with anyio.CancelScope(shield=True):
             await to_process.run_sync(stand_back)
         return await to_process.run_sync(run, job.compute, job.request, folder, cancellable=True)
-    except anyio.BrokenWorkerProcess:
+    except (anyio.BrokenWorkerProcess, ProcessLookupError):  # the latter of one that just started
         raise InputError(
             "the computation ended by itself: there was too little memory, or a file is broken"
         ) from None

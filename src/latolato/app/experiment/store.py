@@ -77,9 +77,9 @@ class Store:
         try:
             yield key
         finally:
-            self.desks.remove(key)
             for clip in self.of_desk(key):
                 self.remove(clip)
+            self.desks.remove(key)
 
     def of_desk(self, key: str) -> list[Clip]:
         """Return the clips of a page."""
