@@ -33,6 +33,8 @@ OUTLIER = 6.0
 MOST_CORRELATION = 0.99
 # Standard deviations of a prior within which a value is believed.
 _FAR = 3.0
+# Information of the samples over that of a prior which rounding and linearity leave meaningful.
+_HARDLY = 1e-8
 # Information on a combination of parameters, over that on the best known one, which may be
 # rounding, and the share of such a combination from which a parameter takes part in it.
 _ROUNDING, _TAKES_PART = 1e-12, 0.1
@@ -131,6 +133,8 @@ class Solution:
         Derivatives of `curve`.
     origin : float
         Instant of the first sample [s].
+    own : dict
+        Where the samples alone, without its prior, would put a parameter that has one.
     """
 
     names: tuple[str, ...]
@@ -147,6 +151,7 @@ class Solution:
     slopes: Floats = field(default_factory=lambda: np.empty((0, 0)), repr=False)
     origin: float = 0.0
     guesses: dict[str, Guess] = field(default_factory=dict, repr=False)
+    own: dict[str, Estimate] = field(default_factory=dict, repr=False)
     intervals: dict[str, tuple[float, float]] = field(default_factory=dict)
 
     def sigma(self, name: str) -> float:
@@ -168,6 +173,20 @@ class Solution:
     def beyond_priors(self) -> dict[str, float]:
         """Those that are beyond three deviations of their priors, in deviations."""
         off = {name: guess.surprise for name, guess in self.guesses.items()}
+        return {name: size for name, size in off.items() if abs(size) > _FAR}
+
+    @property
+    def contradicted(self) -> dict[str, float]:
+        """Priors more than three deviations off what the samples alone say, in deviations.
+
+        A tight prior keeps a parameter near its expected value whatever the samples say: only
+        without it do they show that they disagree.
+        """
+        off = {
+            name: (own.value - self.guesses[name].expected)
+            / math.hypot(own.sigma, self.guesses[name].prior)
+            for name, own in self.own.items()
+        }
         return {name: size for name, size in off.items() if abs(size) > _FAR}
 
     @property
@@ -290,9 +309,28 @@ def solve(
         origin=float(data.times[0]),
         guesses={name: replace(guess, value=values[name]) for name, guess in guesses.items()},
     )
+    solution.own.update(_without_priors(solution, widening))
     if profiles:
         solution.intervals.update(_profiles(minimizer, result, solution, widening, profiles))
     return solution
+
+
+def _without_priors(solution: Solution, widening: Floats) -> dict[str, Estimate]:
+    """Return what the samples alone say of each parameter with a prior, to first order.
+
+    Information adds up: that of the samples is 1/sigma^2 - 1/prior^2, and the solution lies
+    between both estimates as their shares of it. What samples hardly determine is left out.
+    """
+    result = {}
+    for name, wider in zip(solution.names, widening, strict=True):
+        guess = solution.guesses[name]
+        if math.isinf(guess.prior):
+            continue
+        known = (guess.prior / (solution.sigma(name) / float(wider))) ** 2 - 1.0
+        if known > _HARDLY:
+            value = guess.expected + (guess.value - guess.expected) * (1.0 + 1.0 / known)
+            result[name] = Estimate(value, guess.prior * float(wider) / math.sqrt(known), "")
+    return result
 
 
 def _spread(errors: Floats, loose: int) -> float:

@@ -443,12 +443,12 @@ def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
 
 def _prior_doubt(found: Described) -> Adequacy | None:
     """Return the doubt in a fit whose samples contradict a prior, None without."""
-    for name, times in found.solution.beyond_priors.items():
+    for name, times in found.solution.contradicted.items():
         if name in found.names:
-            estimate = found.solution.estimate(name, quantity_of(name).unit)
+            own = replace(found.solution.own[name], unit=quantity_of(name).unit)
             return Adequacy(
-                f"The samples contradict the prior of {name}: together they give {estimate}, "
-                f"{abs(times):.2g} prior standard deviations from the value that was given.",
+                f"The samples contradict the prior of {name}: they alone give {own}, "
+                f"{abs(times):.2g} standard deviations from the value that was given.",
                 "prior",
                 is_in_record=False,
             )
