@@ -22,7 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import message_of
 from latolato.app.blocks import pack
-from latolato.app.worker import Compute, Result, run, stand_back, status_in
+from latolato.app.worker import STATUS, Compute, Result, run, stand_back, status_in
 from latolato.core.errors import InputError
 
 # Time between two frames that say how far a job is [s].
@@ -96,6 +96,7 @@ async def _done(websocket: WebSocket, job: Job) -> bytes | None:
     error: Exception | None = None
     with job.place() as place:
         folder = Path(place)
+        (folder / STATUS).unlink(missing_ok=True)  # of the job before
         async with anyio.create_task_group() as group:
 
             async def listen() -> None:

@@ -27,6 +27,8 @@ Compute = Callable[[Mapping[str, Any], Path, Callable[..., None]], Result]
 # What most jobs import.
 _HEAVY = ("latolato.figures.plot", "matplotlib.figure", "xarray", "numba")
 _NICENESS = 5
+# Where a job says how far it is.
+STATUS = "status.json"
 # Time between two reports [s].
 _PAUSE = 0.1
 
@@ -81,7 +83,7 @@ class _Report:
     """Writes how far a job is to a file in its folder."""
 
     def __init__(self, folder: Path) -> None:
-        self._path = folder / "status.json"
+        self._path = folder / STATUS
         self._written = 0.0
 
     def __call__(self, state: str, **more: float) -> None:
@@ -101,7 +103,7 @@ class _Report:
 def status_in(folder: Path) -> dict[str, Any]:
     """Return how far the job with this folder is."""
     try:
-        status: dict[str, Any] = json.loads((folder / "status.json").read_bytes())
+        status: dict[str, Any] = json.loads((folder / STATUS).read_bytes())
     except OSError:  # its turn has not come
         return {"state": "waiting"}
     return status
