@@ -538,6 +538,11 @@ class TestRefusals:
         with pytest.raises(InputError, match=words):
             ll.simulate(system, HARMONIC, duration=1.0, sensitivity_to=names, **ONE, **more)
 
+    def test_a_ball_that_hangs_at_rest_has_no_derivative_by_dry_friction(self):
+        swing = ll.Pendulum(length=1.0, mass=1.0)
+        with pytest.raises(InputError, match="names coulomb_damping, and a ball that hangs at"):
+            ll.simulate(swing, duration=1.0, initial_angle=0.0, sensitivity_to="coulomb_damping")
+
     def test_an_acceleration_of_a_drive_at_frequency_zero_is_no_parameter(self):
         drive = replace(HARMONIC, drive_frequency=0.0)
         with pytest.raises(InputError, match="sets no amplitude at frequency 0"):

@@ -110,6 +110,18 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
                 parameter="sensitivity_to",
                 way_out="let the ball move at the start, or leave dry friction out",
             )
+        left = int(name == "left_coulomb_damping")
+        if (
+            name.endswith("coulomb_damping")
+            and max(abs(plan.start.angles[left]), abs(plan.start.velocities[left])) < STILL
+            and not plan.drive.moves_across
+        ):
+            raise InputError(
+                f"names {name}, and a ball that hangs at rest has no direction that friction "
+                "opposes",
+                parameter="sensitivity_to",
+                way_out="give it an angle or a velocity at the start",
+            )
     _check_run(plan)
     return tuple(known[name] for name in wanted)
 
