@@ -316,7 +316,7 @@ def solve(
 
 
 def _without_priors(solution: Solution, widening: Floats) -> dict[str, Estimate]:
-    """Return what the samples alone say of each parameter with a prior, to first order.
+    """Return what the samples alone say about each parameter with a prior, to first order.
 
     Information adds up: that of the samples is 1/sigma^2 - 1/prior^2, and the solution lies
     between both estimates as their shares of it. What samples hardly determine is left out.
