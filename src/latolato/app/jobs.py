@@ -128,7 +128,7 @@ async def _done(websocket: WebSocket, job: Job) -> bytes | None:
 async def _result(job: Job, folder: Path) -> Result:
     """Return the result of a job, when there is a process for it; it ends if this is cancelled."""
     try:
-        # One that is cancelled while it starts would be left behind.
+        # A process that is cancelled while it starts would be left behind, so that it starts first.
         with anyio.CancelScope(shield=True):
             await to_process.run_sync(stand_back)
         return await to_process.run_sync(run, job.compute, job.request, folder, cancellable=True)

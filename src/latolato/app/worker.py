@@ -41,6 +41,7 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     InputError
         For bad input, and for any other fault with the line of its report.
     """
+    stand_back()
     # What a process that is killed leaves behind goes with the folder of its job.
     tempfile.tempdir = str(folder)
     report = _Report(folder)
