@@ -22,7 +22,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import message_of
 from latolato.app.blocks import pack
-from latolato.app.worker import STATUS, Compute, Result, run, stand_back, status_in
+from latolato.app.worker import STATUS, Compute, Result, run_apart, stand_back, status_in
 from latolato.core.errors import InputError
 
 # Time between two frames that say how far a job is [s].
@@ -131,7 +131,9 @@ async def _result(job: Job, folder: Path) -> Result:
         # A process that is cancelled while it starts would be left behind, so that it starts first.
         with anyio.CancelScope(shield=True):
             await to_process.run_sync(stand_back)
-        return await to_process.run_sync(run, job.compute, job.request, folder, cancellable=True)
+        return await to_process.run_sync(
+            run_apart, job.compute, job.request, folder, cancellable=True
+        )
     except (anyio.BrokenWorkerProcess, ProcessLookupError):  # the latter of one that just started
         raise InputError(
             "the computation ended by itself: there was too little memory, or a file is broken"

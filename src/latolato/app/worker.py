@@ -6,11 +6,13 @@ import importlib
 import json
 import os
 import signal
+import sys
 import tempfile
 import time
 import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import ModuleType
 from typing import Any
 
 from numpy.typing import NDArray
@@ -41,7 +43,6 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     InputError
         For bad input, and for any other fault with the line of its report.
     """
-    stand_back()
     # What a process that is killed leaves behind goes with the folder of its job.
     tempfile.tempdir = str(folder)
     report = _Report(folder)
@@ -61,6 +62,12 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     return {"warnings": list(dict.fromkeys(texts)), **about}, arrays
 
 
+def run_apart(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
+    """Return the result of a job in a process that has no other task."""
+    stand_back()
+    return run(compute, request, folder)
+
+
 def import_heavy() -> None:
     """Import what most jobs need, so that the next one in this process begins at once."""
     for name in _HEAVY:
@@ -69,6 +76,9 @@ def import_heavy() -> None:
 
 def stand_back() -> None:
     """Leave terminal, screen and most of the processor to the server."""
+    # AnyIO takes the main module away where the server was started from no file (python -c, a
+    # notebook), and lmfit imports it.
+    sys.modules.setdefault("__main__", ModuleType("__main__"))
     # Ctrl-C in the terminal is meant for the server, which then ends its jobs.
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     if hasattr(os, "setpriority"):
