@@ -11,14 +11,20 @@ import latolato as ll
 from browser_checks import serious_faults
 from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
 
-# A phone that is shaken with 4 cm at 19 rad/s, along its y axis, or held otherwise.
+# A phone that is shaken with 4 cm at 19 rad/s, along its y axis, or held otherwise. Its readings
+# have the times at which they were made, however late a busy page gets them.
 AMPLITUDE, FREQUENCY = 0.04, 19.0
 PHONE = """([amplitude, frequency, sign, axis]) => {
+  let next = performance.now();
   window.phone = setInterval(() => {
-    const up = 9.8 - amplitude * frequency ** 2 * Math.cos(frequency * performance.now() / 1000);
-    const felt = { x: 0, y: 0, z: 0, [axis]: sign * up };
-    window.dispatchEvent(new DeviceMotionEvent("devicemotion",
-      { accelerationIncludingGravity: felt, interval: 16 }));
+    for (; next <= performance.now(); next += 16) {
+      const up = 9.8 - amplitude * frequency ** 2 * Math.cos(frequency * next / 1000);
+      const felt = { x: 0, y: 0, z: 0, [axis]: sign * up };
+      const reading = new DeviceMotionEvent("devicemotion",
+        { accelerationIncludingGravity: felt, interval: 16 });
+      Object.defineProperty(reading, "timeStamp", { value: next });
+      window.dispatchEvent(reading);
+    }
   }, 16);
 }"""
 STILL = "&scenario=fig12&drive=harmonic&drive_amplitude=0%20m&drive_frequency=6%20rad/s"

@@ -44,13 +44,12 @@ async (plan) => {
   const { Pool } = await import("/js/map/pool.js");
   const pool = new Pool(2);
   const rows = { status: [], angles: [] };
-  await new Promise((resolve, reject) => pool.start(plan, {
+  await pool.compute(plan, await pool.estimate(plan), {
     onCells: ({ cell, status, values }) => cell.forEach((at, k) => {
       rows.status[at] = status[k];
       rows.angles[at] = values[0][k];
     }),
-    onDone: resolve, onError: reject,
-  }));
+  });
   pool.close();
   return rows;
 }
