@@ -204,7 +204,7 @@ def test_the_key_to_the_arrows_stands_below_them(page):
     key = page.locator(".of-arrows")
     assert key.is_hidden()
     page.get_by_label("Arrows", exact=True).check()
-    assert key.get_by_text("force of the rod").is_visible()
+    key.get_by_text("force of the rod").wait_for()
     assert key.get_by_text("goes round the circle").is_visible()
     page.get_by_label("Begin with").select_option("fig02_mathieu")
     key.get_by_text("force of the rod").wait_for(state="detached")

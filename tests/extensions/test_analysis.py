@@ -12,7 +12,6 @@ import latolato as ll
 from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute
 from latolato.app.analyse.forms import about_request, forms
-from latolato.app.analyse.routes import prepare
 from latolato.app.run_request import RunRequest
 from latolato.cli.main import app as command_line
 from latolato.core.errors import InputError
@@ -83,6 +82,5 @@ def test_the_app_has_its_form_and_its_result(tmp_path):
     assert form["first"] == ["largest_angle", "swings"]
     about = about_request(RunRequest.from_json(ASKED))
     request = {**ASKED, "analysis": "swing_time", "settings": about["first"]["swing_time"]}
-    assert prepare(request)
-    assert compute(request, tmp_path, print)["lines"]
+    assert compute(request, tmp_path, print)[0]["lines"]
     assert (tmp_path / "result.png").exists()

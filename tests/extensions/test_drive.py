@@ -279,7 +279,7 @@ def test_pages_analyse_it(tmp_path):
         "options": {**laws, **run, "drive": "sharp", "sharpness": "0.1"} | {"initial_angle": "1"}
     }
     given = {"analysis": "floquet", "settings": {"period": "2"}}
-    answer = compute_analysis({**asked, **given}, tmp_path, print)
+    answer, _ = compute_analysis({**asked, **given}, tmp_path, print)
     assert answer["lines"]
     assert (tmp_path / "result.png").exists()
 

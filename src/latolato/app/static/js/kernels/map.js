@@ -37,6 +37,9 @@ import { runPoints } from "./points.js";
 
 const ROUGH = ["balls.0.quadratic_damping", "balls.0.coulomb_damping",
   "balls.1.quadratic_damping", "balls.1.coulomb_damping"];
+// What is found out here, or is the same for all points.
+const OWN = ["angles", "is_nonsmooth", "follows_tension", "mirrored"];
+const FLAGS = ["is_linear", "collides", "is_string", "in_lab"];
 // Both balls, and both as one body in sticking contact at the bottom and at the top.
 const BODIES_OF_PAIR = 4;
 
@@ -104,8 +107,9 @@ function cleared(kernels, compute) {
  */
 function prepared(kernels, question) {
   const { layout } = kernels;
+  check(kernels, question);
   const { count, angles = 1, drive, duration, contact, contact_limit = layout.contact_limit } = question;
-  const observers = observersOf(kernels, question.observables);
+  const observers = observersOf(kernels, question.observables, angles);
   const marks = Math.max(0, ...observers.map(({ about }) => about.marks));
   const slots = observers.reduce((sum, { about }) => sum + about.slots, 0);
   const needs = new Set(observers.flatMap(({ about }) => about.needs));
@@ -178,19 +182,65 @@ function computed(kernels, question) {
 }
 
 /**
+ * Throw what a question contradicts.
+ * @param {Kernels} kernels
+ * @param {MapPoints} question
+ */
+function check(kernels, question) {
+  const { count, parameters, drive, noise, transient = 0, period = 0 } = question;
+  if (kernels.name !== moduleOf(question)) throw new Error(`the module for this map is ${moduleOf(question)}`);
+  for (const name of OWN) {
+    if (name in parameters) throw new Error(`${name} is found out from the other parameters`);
+  }
+  for (const name of FLAGS) {
+    const flag = parameters[name] ?? 0;
+    if (flag !== 0 && flag !== 1) throw new Error(`${name} must be 0 or 1 for all points`);
+  }
+  if (parameters.is_linear && parameters.collides) {
+    throw new Error("the linear restoring law knows no walls");
+  }
+  const columns = { ...parameters, ...drive.parameters, ...noise, transient, period };
+  for (const [name, column] of Object.entries(columns)) {
+    if (column instanceof Float64Array && column.length !== count) {
+      throw new Error(`${name} must have ${count} numbers, one for each point, got ${column.length}`);
+    }
+  }
+  if (some(transient, (value) => !(value >= 0))) throw new Error("transient must be at least 0 s");
+}
+
+/**
  * Return observables with the numbers of their parameters and their first slots.
  * @param {Kernels} kernels
  * @param {MapPoints["observables"]} names
+ * @param {number} angles
  * @returns {Observer[]}
  */
-function observersOf({ layout: { observables } }, names) {
-  let next = 0;
-  return names.map(({ name, parameters = {} }) => {
+function observersOf(kernels, names, angles) {
+  const { observables } = kernels.layout;
+  let first = 0;
+  const observers = names.map(({ name, parameters = {} }) => {
+    if (!Object.hasOwn(observables, name)) throw new Error(`no observable is called ${name}`);
     const about = observables[name];
-    const first = next;
-    next += about.slots;
-    return { about, first, numbers: Object.entries(about.parameters).map(([key, usual]) => parameters[key] ?? usual) };
+    if (about.angles && about.angles !== angles) {
+      throw new Error(`${name} belongs to systems of ${about.angles} angles`);
+    }
+    for (const key of Object.keys(parameters)) {
+      if (!Object.hasOwn(about.parameters, key)) throw new Error(`${name} has no parameter ${key}`);
+      if (about.marks) throw new Error(`${name} takes its usual parameters only`);
+    }
+    const numbers = Object.entries(about.parameters).map(([key, usual]) => parameters[key] ?? usual);
+    const observable = { about, numbers, first };
+    first += about.slots;
+    return observable;
   });
+  const variables = observers.flatMap(({ about }) => Object.keys(about.widths));
+  const twice = variables.find((name, i) => variables.indexOf(name) !== i);
+  if (twice) throw new Error(`two observables both give ${twice}: drop one`);
+  const marks = new Set(observers.map(({ about }) => about.marks).filter(Boolean));
+  if (marks.size > 1) {
+    throw new Error("observables that look at drive periods must look at equally many: ask for one");
+  }
+  return observers;
 }
 
 /**
