@@ -278,7 +278,7 @@ def test_trials_and_contours_at_values_typed_by_hand_lie_where_they_belong(page,
         (1 - a) * values[low + 1, left] + a * values[low + 1, left + 1]
     )
     np.testing.assert_allclose(between, found["level"], rtol=1e-5)
-    # Levels that cannot be read are told beside their field, without asking the server.
+    # The field explains levels that cannot be read, and the server is not asked.
     alert = page.get_by_role("alert")
     typed(levels, "45,,90")
     alert.get_by_text("“45,,90” is not a number in °.").wait_for()
@@ -520,7 +520,7 @@ def test_what_is_typed_is_read_or_refused_at_its_field_until_it_is_mended(page):
         assert line.count() == 0
         assert field.get_attribute("aria-invalid") == "false"
     low, high = (page.get_by_label(name, exact=True).nth(1) for name in ("from", "to"))
-    # What is no number is told right below its field, whatever else changes.
+    # The line below a field explains what is no number, whatever else changes.
     border = "(e) => getComputedStyle(e).borderColor"
     usual = low.evaluate(border)
     low.fill("abc")

@@ -98,6 +98,7 @@ def checked_names(names: Any, plan: RunPlan) -> tuple[Parameter, ...]:
             way_out="leave it out",
         )
     for name in wanted:
+        # At rest is what the engine takes for it: `STILL` rad/s, and as near to the bottom in rad.
         ball = int(name.endswith("_left"))
         if (
             name.startswith("initial_angular_velocity")

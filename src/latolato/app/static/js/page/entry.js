@@ -11,9 +11,9 @@ import { short, shownUnit } from "./unit_text.js";
 /** @typedef {import("./unit_text.js").Unit} Unit */
 /**
  * What a field takes: numbers in `usual` where they name no unit, or in another unit that converts to
- * the SI unit `unit`; the unit of the last number of a list is also that of the others without one; `shown` is a phrase for the usual one, such as "per second". `isList` says whether
- * several numbers may be given, `mayBeEmpty` whether none need be; `example` is the text of a number
- * that would do.
+ * the SI unit `unit`; `shown` is a phrase for the usual one, such as "per second". `isList` says whether
+ * several numbers may be given: those without a unit have that of the last one. `mayBeEmpty` says whether
+ * none need be given; `example` is the text of a number that would do.
  * @typedef {{registry: Pick<Registry, "units" | "prefixes">, usual: Unit, unit: string, shown?: string,
  *   isList?: boolean, mayBeEmpty?: boolean, example?: string}} Takes
  *
