@@ -212,7 +212,7 @@ def test_the_key_to_the_arrows_stands_below_them(page):
     page.get_by_label("Begin with").select_option("crank_slider")
     key.get_by_text("the crank that moves the hand").wait_for()
     page.get_by_label("Arrows", exact=True).uncheck()
-    assert key.is_hidden()
+    key.wait_for(state="hidden")
 
 
 FLASH = """(() => {
