@@ -46,11 +46,13 @@ def _clouds(
     shape: tuple[int, int], size: tuple[float, float], random: np.random.Generator
 ) -> Floats:
     """Return smooth noise of unit variance with structures of a size [pixel], v and u."""
-    from scipy.ndimage import map_coordinates
+    from scipy.interpolate import BSpline
 
-    counts = [math.ceil(n / s) + 4 for n, s in zip(shape, size, strict=True)]
-    grid = random.standard_normal(counts)
-    v = 1.0 + np.arange(shape[0]) / size[0] + random.uniform()
-    u = 1.0 + np.arange(shape[1]) / size[1] + random.uniform()
-    values = map_coordinates(grid, np.meshgrid(v, u, indexing="ij"), order=3, prefilter=False)
-    return np.asarray(values / values.std())
+    noise = random.standard_normal([math.ceil(n / s) + 4 for n, s in zip(shape, size, strict=True)])
+    for axis, (n, s) in enumerate(zip(shape, size, strict=True)):
+        # Uniform cubic B-splines, the one of index i centred at i.
+        knots = np.arange(noise.shape[axis] + 4) - 2.0
+        places = 1.0 + np.arange(n) / s + random.uniform()
+        splines = BSpline.design_matrix(places, knots, 3)
+        noise = np.moveaxis(splines @ np.moveaxis(noise, axis, 0), 0, axis)
+    return np.asarray(noise / noise.std())
