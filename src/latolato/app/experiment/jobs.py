@@ -81,6 +81,10 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Res
     except MemoryError:
         raise InputError("this file needs more memory than there is: make it smaller") from None
     except (InputError, OSError) as error:
+        if isinstance(error, InputError):
+            error.where = job["name"] if error.where == job["path"] else error.where
+            if job["path"] not in str(error):
+                raise
         parameter = error.parameter if isinstance(error, InputError) else None
         raise InputError(one_line(error, job), parameter=parameter) from None
 
