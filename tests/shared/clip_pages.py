@@ -84,9 +84,7 @@ def english(said):
 def prose_in(about):
     """What a page shows of a result as it came, and so in English only."""
     cards = list(about.get("fits", {"one": about}).values())
-    # What was assumed of a table, whose result has code, is a text.
-    warnings = [] if "code" in about else about.get("warnings", [])
-    shown = [*about.get("finding", []), *warnings, about.get("no_trial")]
+    shown = [*about.get("finding", []), *about.get("warnings", []), about.get("no_trial")]
     shown += [card.get(part) for card in cards for part in ("verdict", "error", "doubt")]
     shown += [row["note"] for row in about.get("trials", [])]
     labels = [{"word": each["label"]} for card in cards for each in card.get("values", {}).values()]

@@ -281,6 +281,25 @@ RULES = {
         "One coefficient of restitution does not describe these impacts: it is {before} before "
         "{time:.4g} s and {after} after it."
     ),
+    # what is assumed of a table
+    "only_angles": Rule("positions are in pixels without a scale, so only angles are kept"),
+    "unit_from": Rule("{column} is in [{unit}], from {source}"),
+    "rows_are_frames": Rule("the file has no times; each row is a frame"),
+    "empty_row": Rule("1 row without numbers left out"),
+    "empty_rows": Rule("{count} rows without numbers left out"),
+    "times_from": Rule("times are counted from {time}"),
+    "times_of_frames": Rule("times are those of frames at {rate:g} per second"),
+    "divided_frames": Rule("times are frame numbers divided by {rate:g} per second"),
+    "removed_jumps": Rule("jumps of a whole turn removed from {column}"),
+    "removed_turn": Rule("{count} whole turn taken off {column}"),
+    "removed_turns": Rule("{count} whole turns taken off {column}"),
+    "stated_above": Rule(
+        "{column} is above the pivot in most rows: is it counted from the x axis (angle_from = "
+        "'right')?"
+    ),
+    "placed_above": Rule(
+        "{column} is above the pivot in most rows: does y point down (y_axis = 'down')?"
+    ),
     # why there is no fit and no trial
     "moving_pivot": Rule(
         "the pivot moves by {size:.3g} mm either way: a decay needs a pivot at rest",
