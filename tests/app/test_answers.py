@@ -1,11 +1,14 @@
 """Answers of the server and of workers to refused input and to faults of the program."""
 
+import json
 from pathlib import Path
 
 import pytest
+from starlette.routing import Route, WebSocketRoute
 from starlette.testclient import TestClient
 
-from latolato.app import forms, worker
+from app_server import frames_of
+from latolato.app import answers, forms, worker
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
 
@@ -44,6 +47,34 @@ def test_a_refusal_names_the_field_and_its_rule(client):
     assert message["error"].startswith("drive_amplitude must be given in m")
     # From which the page makes a sentence in its own words.
     assert message["parts"]["rule"]["name"] == "quantity_of_unit"
+
+
+ROUTES = make_app(Settings()).routes
+POSTS = [r.path for r in ROUTES if isinstance(r, Route) and "POST" in (r.methods or ())]
+# An upload is no JSON, and the socket of a desk gets none.
+POSTS.remove("/api/experiment")
+SOCKETS = [f"ws://127.0.0.1{r.path}" for r in ROUTES if isinstance(r, WebSocketRoute)]
+SOCKETS.remove("ws://127.0.0.1/ws/experiment/desk")
+MALFORMED = ["", "{", "[" * 100_000, "[]", "3", "null"]
+MALFORMED += [json.dumps({name: [None]}) for name in answers.PARTS]
+
+
+@pytest.mark.parametrize("path", POSTS)
+def test_a_malformed_request_is_a_400(client, path):
+    for body in MALFORMED:
+        answer = client.post(path, content=body)
+        assert answer.status_code == 400, body
+        assert "request" in answer.json()["error"]
+    assert client.post(path, content="{}").status_code in (400, 422)
+
+
+@pytest.mark.parametrize("path", SOCKETS)
+def test_a_malformed_request_for_a_job_is_refused(client, path):
+    for body in MALFORMED:
+        refused, _ = frames_of(client, path, body)
+        assert "request" in json.loads(refused["text"])["error"], body
+    *_, refused, _ = frames_of(client, path, "{}")
+    assert json.loads(refused["text"])["error"].startswith("a request like this needs")
 
 
 @pytest.mark.parametrize(

@@ -131,12 +131,6 @@ def test_an_animation_that_cannot_be_made_is_refused(client, given, words):
     assert closed["type"] == "websocket.close"
 
 
-@pytest.mark.parametrize("frame", ["", "{", "[" * 100_000])
-def test_a_frame_that_is_no_json_closes_the_socket(client, frame):
-    (closed,) = film(client, frame)
-    assert closed["code"] == 1007
-
-
 def test_the_extra_that_animations_need_is_named(monkeypatch, tmp_path):
     monkeypatch.setitem(sys.modules, "av", None)
     with pytest.raises(ll.InputError, match=r'pip install "\.\[video\]"'):

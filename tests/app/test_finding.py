@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from latolato.app.experiment.finding import FINDINGS, answer_of, finding_of
+from latolato.app.experiment.finding import answer_of, finding_of
 from latolato.experiment.fits.apparatus import Apparatus
 from latolato.experiment.track_table import track_table
 from track_tables import decay_table
@@ -25,16 +25,8 @@ TRIAL = {
 ERROR = {"error": "the pivot is at rest"}
 
 
-def text_of(sentence):
-    """A sentence in English; those that stand in its gaps are sentences too."""
-    if isinstance(sentence, str):
-        return sentence
-    values = {name: text_of(each) for name, each in sentence["values"].items()}
-    return FINDINGS[sentence["name"]].rule.format(**values)
-
-
 def told_of(*given):
-    return " ".join(map(text_of, finding_of(*given)))
+    return " ".join(finding_of(*given))
 
 
 def table(duration=6.0, balls=1, flag="ok", angle=0.6):

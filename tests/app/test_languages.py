@@ -10,7 +10,7 @@ import re
 import subprocess
 import sys
 import tomllib
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -25,6 +25,7 @@ from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
 from latolato.core.rules import RULES
 from latolato.experiment.fits.result import quantity_of
+from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.physics.problems import PROBLEMS
 
 NODE = Path(sys.executable).parent / "node"
@@ -39,6 +40,15 @@ TOLD = ("title", "summary", "text", "question", "answer", "label")
 WORDS = (
     "contact", "contact law", "drag_frame 'lab'", "drive", "got", "observable", "option",
     "parameter", "strings", "system", "value",
+)  # fmt: skip
+# Numbers that fits give, and columns that they need.
+NUMBERS = (
+    "amplitude_drift", "angle_1", "angle_2", "angle_offset", "centre_length", "coulomb_damping",
+    "crank_ratio", "damping", "damping_envelope", "decay_rate", "decay_rate_envelope",
+    "drive_frequency_final", "drive_phase", "frequency_drift", "horizontal_amplitude",
+    "horizontal_phase", "initial_angle", "initial_angular_velocity", "length",
+    "natural_frequency", "period", "pivot_error_x", "pivot_error_y", "pivot_y",
+    "quadratic_damping", "ramp", "restitution", "step_time",
 )  # fmt: skip
 # Return the texts of a language that are not translated, and its texts that nothing needs.
 _COMPARE = """
@@ -119,6 +129,7 @@ def texts_of_measure() -> Iterator[str]:
     for kind in fit_kinds():
         yield from (kind["title"], kind["hint"])
         yield from (quantity_of(name).long_name for name in kind["headline"])
+    yield from (quantity_of(name).long_name for name in NUMBERS)
 
 
 def texts_of_stories(part: Any) -> Iterator[str]:
@@ -134,12 +145,15 @@ def texts_of_stories(part: Any) -> Iterator[str]:
 def sentences_of_rules() -> dict[str, dict[str, str]]:
     """Return the sentences of all rules that pages know, by the names of the rules."""
     problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
-    assert not (problems.keys() | OF_ANALYSES.keys()) & RULES.keys()
-    assert not problems.keys() & OF_ANALYSES.keys()
-    assert not FINDINGS.keys() & (RULES.keys() | OF_ANALYSES.keys() | problems.keys())
+    tables: tuple[Mapping[str, Any], ...] = (
+        RULES, OF_ANALYSES, OF_MEASUREMENTS, FINDINGS, problems,
+    )  # fmt: skip
+    names = [name for table in tables for name in table]
+    assert len(set(names)) == len(names)
     return {
         name: {part: text for part, text in zip(("rule", "way_out"), texts, strict=True) if text}
-        for name, texts in {**RULES, **OF_ANALYSES, **FINDINGS, **problems}.items()
+        for table in tables
+        for name, texts in table.items()
         if any(texts)
     }
 

@@ -149,7 +149,7 @@ def test_a_table_with_a_driven_pivot_is_a_trial(tmp_path):
     result = done("import", job, description)
     assert result["no_trial"] is None
     assert result["trial"]["drive_amplitude"] == pytest.approx(0.02, rel=0.01)
-    assert result["finding"][0]["name"] == "ball_is_shaken"
+    assert result["finding"][0].startswith("Shaken with an amplitude of")
     assert result["code"][1].splitlines()[-1] == "latolato fit drive driven.track.csv"
 
 

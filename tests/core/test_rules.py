@@ -6,12 +6,14 @@ from string import Formatter
 
 import pytest
 
-from latolato.core.errors import InputError
-from latolato.core.rules import RULES, broken_rule
+from latolato.core.errors import InputError, Word, in_parts, joined
+from latolato.core.rules import RULES, broken_rule, sentence
+from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.physics.problems import PROBLEMS
 
 SENTENCES = {
     **RULES,
+    **OF_MEASUREMENTS,
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
 
@@ -33,6 +35,18 @@ def test_a_broken_rule_has_the_parts_of_its_sentence():
     assert (error.parameter, error.value) == ("e", -1.0)
     assert str(error) == "e must lie in [0, 1], got -1; give at least 0"
     assert str(pickle.loads(pickle.dumps(error))) == str(error)
+
+
+def test_a_sentence_keeps_its_parts_in_another_process():
+    inner = sentence("meant", name="length")
+    text = joined([sentence("known", names=Word("one")), inner])
+    assert text == "known are one did you mean 'length'?"
+    copy = pickle.loads(pickle.dumps(text))
+    parts = in_parts({"said": [copy]})["said"][0]
+    assert parts["text"].format(**dict.fromkeys(parts["values"], "x")) == "x x"
+    first, second = parts["values"].values()
+    assert first["values"] == {"names": {"word": "one"}}
+    assert (second["name"], second["values"]) == ("meant", {"name": "length"})
 
 
 def test_values_may_name_the_parameter():

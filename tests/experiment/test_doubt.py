@@ -428,8 +428,8 @@ def test_halves_of_a_record_with_other_restitutions_are_told_apart():
             for i in range(40)
         ]  # fmt: skip
 
-    assert _doubt(impacts(0.9), "").describes
-    doubt = _doubt(impacts(0.8), "")
+    assert _doubt(impacts(0.9)).describes
+    doubt = _doubt(impacts(0.8))
     assert doubt.fails_at == 20.0
     assert "One coefficient of restitution does not describe these impacts" in doubt.doubt
 

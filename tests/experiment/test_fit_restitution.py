@@ -57,7 +57,7 @@ def test_one_ball_and_a_wall_give_it_too():
 def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():
     each = np.array([0.600, 0.604, 0.6, 0.6, 0.6])
     sigmas = np.array([0.0003, 0.0003, 0.02, 0.02, 0.02])
-    pooled, words = _pooled(each, sigmas, np.ones(5))
+    pooled, words, _ = _pooled(each, sigmas, np.ones(5))
     assert pooled.sigma > 0.0009  # 0.00021 by the two precise ones alone
     assert "they differ by 0.00" in words
     assert "by 0," not in words

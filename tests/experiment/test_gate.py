@@ -193,7 +193,7 @@ def test_a_ball_beside_the_click_is_refused():
     far = gate.clicked_ball(track, [centres[0] + [0.0, 16.0]])
     assert far is not None
     assert far.is_refusal
-    assert "16 pixels" in far.reason
+    assert "16 pixels" in far.fault.rule
 
 
 def test_a_ball_that_comes_to_the_click_only_later_is_refused():
@@ -205,7 +205,7 @@ def test_a_ball_that_comes_to_the_click_only_later_is_refused():
     late = gate.clicked_ball(track, [centres[4]])
     assert late is not None
     assert late.is_refusal
-    assert "4 frames" in late.reason
+    assert "4 frames" in late.fault.rule
 
 
 def test_a_cut_is_told_and_what_follows_it_given_up():
@@ -214,7 +214,7 @@ def test_a_cut_is_told_and_what_follows_it_given_up():
     assert gate.uncut_clip(_track(whole)) is None
     found = gate.uncut_clip(_track(cut))
     assert found is not None
-    assert "it is cut at 1.333 s" in found.reason
+    assert "it is cut at 1.333 s" in found.fault.rule
     assert np.flatnonzero(found.doubtful[:, 0]).tolist() == [40]
 
 
@@ -230,7 +230,7 @@ def test_a_pause_is_told_and_given_up():
     centres = np.concatenate([whole[:stop], np.repeat(whole[stop : stop + 1], 20, 0), whole[stop:]])
     found = gate.uncut_clip(_track(centres))
     assert found is not None
-    assert "stands still from 1.5 to 2.167 s" in found.reason
+    assert "stands still from 1.5 to 2.167 s" in found.fault.rule
     assert np.flatnonzero(found.doubtful[:, 0]).tolist() == list(range(46, 66))
 
 
@@ -281,7 +281,7 @@ def test_a_swing_filmed_by_hand_is_warned_of_and_what_moves_with_the_wall_refuse
     carried = gate.resting_camera(sample, _track(np.array([60.0, 180.0]) - moves))
     assert carried is not None
     assert carried.is_refusal
-    assert "moves with it" in carried.reason
+    assert "moves with it" in carried.fault.rule
 
 
 def test_a_camera_before_a_plain_wall_is_unknown():
@@ -324,7 +324,7 @@ def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
     finding = gate.changing_pixels(_drawn(centres, radius=20.0), _track(centres, radius=6.0))
     assert finding is not None
     assert not finding.is_refusal
-    assert "part of something larger" in finding.reason
+    assert "part of something larger" in finding.fault.rule
 
 
 @pytest.mark.parametrize(
@@ -335,7 +335,7 @@ def test_a_disc_that_moves_by_less_than_its_radius_is_believed_by_its_edge(exten
     path = np.stack([0.5 * extent * np.cos(np.arange(30) / 4.0), np.zeros(30)], axis=-1)
     sample = _drawn(np.array([100.0, 150.0]) + path, radius=40.0)
     finding = gate.changing_pixels(sample, _track(np.array(place) + path, radius=40.0))
-    assert (finding.is_refusal and reason in finding.reason) if reason else finding is None
+    assert (finding.is_refusal and reason in finding.fault.rule) if reason else finding is None
 
 
 def test_a_ball_before_a_background_that_changes_is_refused_for_that(monkeypatch):
@@ -343,8 +343,8 @@ def test_a_ball_before_a_background_that_changes_is_refused_for_that(monkeypatch
     monkeypatch.setattr(gate, "change_shares", lambda sample, track: (np.arange(30), shares))
     finding = gate.changing_pixels(_drawn(_swinging()), _track(_swinging()))
     assert finding.is_refusal
-    assert "cannot be told from the background, which changes as well" in finding.reason
-    assert "background at rest" in finding.way_out
+    assert "cannot be told from the background, which changes as well" in finding.fault.rule
+    assert "background at rest" in finding.fault.way_out
 
 
 def test_light_that_changes_for_all_changes_nothing():

@@ -2,16 +2,22 @@
 
 import contextlib
 import json
+import re
 import time
 
 from starlette.testclient import TestClient
 
+from latolato.app import STATIC
 from latolato.app.blocks import unpack
 from latolato.app.experiment.store import MOST_BYTES
 from latolato.app.server import Settings, make_app
 
 HOME = "http://127.0.0.1:8000"
 HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
+
+
+# Texts that are born as data, of which a language has each.
+TEXTS = json.loads((STATIC / "languages" / "id.json").read_text("utf-8"))["texts"]
 
 
 class Page:
@@ -58,10 +64,43 @@ def end_of(socket):
         message = socket.receive()
         if "bytes" in message:
             about, arrays = unpack(message["bytes"])
+            assert not (prose := prose_in(about)), prose
             return {"done": about, **arrays}
         frame = json.loads(message["text"])
         if "state" not in frame:
             return frame
+
+
+def english(said):
+    """The English text of a sentence, or of a refusal without its way out."""
+    if not isinstance(said, dict):
+        return said
+    if "rule" in said:
+        return english(said["rule"])
+    values = {name: english(each) for name, each in said["values"].items()}
+    return said["text"].format(**values)
+
+
+def prose_in(about):
+    """What a page shows of a result as it came, and so in English only."""
+    cards = list(about.get("fits", {"one": about}).values())
+    shown = [*about.get("finding", []), *about.get("warnings", []), about.get("no_trial")]
+    shown += [card.get(part) for card in cards for part in ("verdict", "error", "doubt")]
+    shown += [row["note"] for row in about.get("trials", [])]
+    labels = [{"word": each["label"]} for card in cards for each in card.get("values", {}).values()]
+    return [text for each in [*shown, *labels] for text in _texts_in(each)]
+
+
+def _texts_in(said):
+    """The texts in a sentence, and in those in its gaps, that no language has by their names."""
+    if isinstance(said, str):
+        return [said] if re.search("[a-z]{3,}[,.;:]? [a-z]{2,}", said) else []
+    if not isinstance(said, dict):
+        return []
+    if "word" in said:
+        return [] if said["word"] in TEXTS else [said["word"]]
+    parts = said["values"] if "values" in said else {k: v for k, v in said.items() if k != "value"}
+    return [text for each in parts.values() for text in _texts_in(each)]
 
 
 @contextlib.contextmanager

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
+import json
+from types import UnionType
+from typing import Any, get_args, get_origin
 
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -16,33 +18,97 @@ from latolato.core.faults import line_of, refusal_of
 MOST_BODY = 2_000_000  # bytes
 # `Exception` stands for faults of the program.
 REFUSED = (HTTPException, InputError, OSError, MemoryError, Exception)
+# What the parts of requests are, by their names. Options, settings of sweeps and descriptions are
+# checked where they are read.
+_TEXTS, _OPEN_TEXTS = ("analysis", "clip", "desk", "do", "file", "kind"), (
+    "scenario", "observable", "stored", "ball", "scale", "trials", "decimal",
+)  # fmt: skip
+PARTS: dict[str, Any] = {
+    **dict.fromkeys(_TEXTS, str),
+    **dict.fromkeys(_OPEN_TEXTS, str | None),
+    **dict.fromkeys(("options", "select", "contours"), dict | None),
+    **dict.fromkeys(("xlog", "ylog", "log"), bool | None),
+    **dict.fromkeys(("curves", "overlays"), list[str] | None),
+    "levels": list[float],
+    "limits": list[float] | None,
+    "most_samples": int,
+    "settings": dict[str, str],
+    "speed": float,
+    "sweep": dict,
+}
 
 
-async def json_of(request: Request) -> Any:
+class MalformedError(InputError):
+    """A request that is no JSON object, lacks a part or holds one of another type."""
+
+
+class Body(dict[str, Any]):
+    """A JSON object of a request; what it lacks is the fault of who sent it."""
+
+    def __missing__(self, name: str) -> Any:
+        raise MalformedError(f"a request like this needs '{name}'")
+
+
+async def json_of(request: Request) -> Body:
     """Return the JSON of a request.
 
     Raises
     ------
     HTTPException
-        If it is too long or no JSON.
+        If it is too long.
+    MalformedError
+        If it is not what pages send.
     """
     if int(request.headers.get("content-length", MOST_BODY + 1)) > MOST_BODY:
         raise HTTPException(413, f"a request must not exceed {MOST_BODY} bytes")
+    return body_of(await request.body())
+
+
+def body_of(text: str | bytes) -> Body:
+    """Return the request that a page sends as JSON.
+
+    Raises
+    ------
+    MalformedError
+        If it is not what pages send.
+    """
     try:
-        return await request.json()
+        body = json.loads(text, object_hook=Body)
     except (ValueError, RecursionError):
-        raise HTTPException(400, "a request must be JSON") from None
+        raise MalformedError("a request must be JSON") from None
+    if not isinstance(body, Body):
+        raise MalformedError("a request must be a JSON object")
+    for part in (body, body.get("contours")):
+        for name, value in part.items() if isinstance(part, Body) else ():
+            if name in PARTS and not _is(value, PARTS[name]):
+                raise MalformedError("is of another type in requests", parameter=name, value=value)
+    return body
+
+
+def _is(value: Any, kind: Any) -> bool:
+    """Return whether a value of JSON is of a type; whole numbers are numbers, switches are not."""
+    if isinstance(kind, UnionType):
+        return any(_is(value, each) for each in get_args(kind))
+    if kind in (int, float):
+        return isinstance(value, (int, kind)) and not isinstance(value, bool)
+    if get_origin(kind) is list:
+        return isinstance(value, list) and all(_is(each, *get_args(kind)) for each in value)
+    if get_origin(kind) is dict:
+        return isinstance(value, dict) and all(isinstance(each, str) for each in value.values())
+    return isinstance(value, kind)
 
 
 def refused(request: Request, error: Exception) -> Response:
     """Return one line that says why there is no other answer, and the option that it is about.
 
-    Bad input is 422, what is too large 413, a fault of the program 500.
+    A malformed request is 400, bad input 422, what is too large 413, a fault of the program 500.
     """
     if isinstance(error, HTTPException):
         return JSONResponse(message_of(InputError(error.detail)), error.status_code)
     is_fault = refusal_of(error) is None
-    status = 413 if isinstance(error, TooLargeError) else 500 if is_fault else 422
+    status = 500 if is_fault else 422
+    for kind, code in ((MalformedError, 400), (TooLargeError, 413)):
+        status = code if isinstance(error, kind) else status
     return JSONResponse(message_of(error), status)
 
 

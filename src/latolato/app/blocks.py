@@ -18,6 +18,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from latolato.core.errors import in_parts
 from latolato.simulation.summary import plain
 
 TYPES = ("f4", "f8", "i4", "u1")
@@ -29,7 +30,9 @@ _LENGTH = 4
 
 
 def pack(about: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
-    """Return a header and arrays as one block; NaN in the header becomes null.
+    """Return a header and arrays as one block.
+
+    NaN in the header becomes null, and sentences are as `latolato.core.errors.in_parts` has them.
 
     Raises
     ------
@@ -53,7 +56,7 @@ def pack(about: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) -> bytes:
         little = data.astype(data.dtype.newbyteorder("<"), copy=False)
         parts += [little.data, bytes(-little.nbytes % _ALIGNMENT)]
         offset += little.nbytes + len(parts[-1])
-    header = json.dumps(plain({**about, "arrays": entries}), allow_nan=False).encode()
+    header = json.dumps(plain(in_parts({**about, "arrays": entries})), allow_nan=False).encode()
     header += b" " * (-(len(header) + _LENGTH) % _ALIGNMENT)
     return b"".join([len(header).to_bytes(_LENGTH, "little"), header, *parts])
 

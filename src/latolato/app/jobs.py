@@ -7,7 +7,6 @@ gets frames ``{"state": word, "elapsed": seconds, "progress": share}``, and at l
 
 from __future__ import annotations
 
-import json
 import tempfile
 import time
 from collections.abc import Callable, Mapping
@@ -20,14 +19,13 @@ import anyio
 from anyio import to_process, to_thread
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
-from latolato.app.answers import message_of
+from latolato.app.answers import Body, body_of, message_of
 from latolato.app.blocks import pack
 from latolato.app.worker import STATUS, Compute, Result, run_apart, stand_back, status_in
 from latolato.core.errors import InputError
 
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
-_BAD_FRAME = 1007
 # What starlette raises for a page that has gone.
 GONE = (WebSocketDisconnect, RuntimeError)
 
@@ -59,7 +57,7 @@ class Job:
     place: Callable[[], AbstractContextManager[str | Path]] = _temporary_folder
 
 
-async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None:
+async def serve_job(websocket: WebSocket, prepare: Callable[[Body], Job]) -> None:
     """Do for a page what its first frame asks for, until it is done or the page goes.
 
     Parameters
@@ -73,12 +71,7 @@ async def serve_job(websocket: WebSocket, prepare: Callable[[Any], Job]) -> None
         return
     with suppress(*GONE):
         try:
-            request = json.loads(message.get("text") or "")
-        except (ValueError, RecursionError):
-            await websocket.close(_BAD_FRAME, "a request must be JSON")
-            return
-        try:
-            job = await to_thread.run_sync(prepare, request)
+            job = await to_thread.run_sync(prepare, body_of(message.get("text") or ""))
             block = await _done(websocket, job)
         except Exception as error:
             await websocket.send_json(message_of(error))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -27,6 +27,72 @@ class NamedRule(NamedTuple):
     rule: str
     way_out: str
     values: Mapping[str, Any]
+
+
+class Word(str):
+    """A word in the gap of a sentence, which pages translate by itself."""
+
+    __slots__ = ()
+
+
+class Sentence(str):
+    """The text of a rule with its gaps filled; pages say it in another language by its name.
+
+    Parameters
+    ----------
+    named : NamedRule
+        The rule and what stands in its gaps: numbers, texts, words and other sentences. One
+        without a name only joins what stands in its gaps.
+    part : {"rule", "way_out"}
+        Which of its texts this is.
+
+    Examples
+    --------
+    >>> text = Sentence(NamedRule("touch", "{count} balls touch", "", {"count": 2}))
+    >>> text
+    '2 balls touch'
+    >>> in_parts(text)["values"]
+    {'count': 2}
+    """
+
+    named: NamedRule
+    part: str
+
+    def __new__(cls, named: NamedRule, part: str = "rule") -> Sentence:
+        """Return the text."""
+        template: str = getattr(named, part)
+        sentence = super().__new__(cls, template.format(parameter=_NAME, **named.values))
+        sentence.named, sentence.part = named, part
+        return sentence
+
+    def __getnewargs__(self) -> Any:
+        """Return what it is made of, from which copies are made."""
+        return self.named, self.part
+
+
+def in_parts(value: Any) -> Any:
+    """Return JSON that pages say in their language.
+
+    A sentence is ``{"name", "part", "text", "values"}`` with the gaps of its text, and a word is
+    ``{"word"}``.
+    """
+    if isinstance(value, Sentence):
+        name, values = value.named.name, in_parts(value.named.values)
+        text = getattr(value.named, value.part)
+        return {"name": name, "part": value.part, "text": text, "values": values}
+    if isinstance(value, Word):
+        return {"word": str(value)}
+    if isinstance(value, Mapping):
+        return {key: in_parts(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [in_parts(each) for each in value]
+    return _plain(value)
+
+
+def joined(parts: Iterable[str], between: str = " ") -> Sentence:
+    """Return sentences as one."""
+    values = {f"part_{k}": part for k, part in enumerate(parts)}
+    return Sentence(NamedRule("", between.join(f"{{{name}}}" for name in values), "", values))
 
 
 class InputError(ValueError):
@@ -108,24 +174,17 @@ class InputError(ValueError):
     def parts(self) -> dict[str, Any] | None:
         """Return what the text is made of, as JSON; None where JSON cannot hold it.
 
-        A sentence of a rule that has a name is ``{"name", "part", "text", "values"}``, with gaps
-        in its text; any other is a text.
+        Sentences are as `in_parts` has them.
         """
 
         def sentence(part: str, text: str) -> Any:
-            if self.named is None:
-                return text
-            name, values = self.named.name, self.named.values
-            known: str = getattr(self.named, part)
             # A way out may have been replaced, or another one added.
-            if known.format(parameter=_NAME, **values) != text:
-                return text
-            plain = {key: _plain(value) for key, value in values.items()}
-            return {"name": name, "part": part, "text": known, "values": plain}
+            known = Sentence(self.named, part) if self.named else text
+            return in_parts(known if known == text else text)
 
-        if self.where:
-            return None
         result = {"rule": sentence("rule", self.rule), "parameter": self.parameter}
+        if self.where:
+            result["where"] = self.where
         if self.has_value:
             result["value"] = _plain(self.value)
         if self.way_out is not None:

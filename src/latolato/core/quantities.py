@@ -287,7 +287,7 @@ QUANTITIES: dict[str, Quantity] = {
     # track tables
     "frame": Quantity("1", "n", "number of the decoded frame"),
     "pivot_x": Quantity("m", "x_0", "pivot to the right of its mean"),
-    "pivot_y": Quantity("m", "y_0", "pivot above its mean"),
+    "pivot_y": Quantity("m", "y_0", "height of the pivot above its mean"),
     "ball_1_x": Quantity("m", "x_1", "right ball to the right of the mean pivot"),
     "ball_1_y": Quantity("m", "y_1", "right ball above the mean pivot"),
     "ball_2_x": Quantity("m", "x_2", "left ball to the right of the mean pivot"),

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any, NamedTuple
 
-from latolato.core.errors import NOT_GIVEN, InputError, NamedRule
+from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence
 
 
 class Rule(NamedTuple):
@@ -216,9 +216,9 @@ RULES = {
 }
 
 
-def sentence(rule: str, /, **values: Any) -> str:
+def sentence(rule: str, table: Mapping[str, Rule] = RULES, /, **values: Any) -> Sentence:
     """The sentence of a rule alone, such as a warning."""
-    return RULES[rule].rule.format(**values)
+    return Sentence(NamedRule(rule, *table[rule], values))
 
 
 def broken_rule(
@@ -252,7 +252,9 @@ def broken_rule(
     ramp must not exceed the shortest stage 0.5 s, got 2
     """
     named = NamedRule(name, *table[name], values or {})
-    rule, usual = (text.format(**named.values, parameter="{parameter}") for text in table[name])
-    error = kind(rule, parameter=parameter, value=value, way_out=way_out or usual or None)
+    usual = Sentence(named, "way_out")
+    error = kind(
+        Sentence(named), parameter=parameter, value=value, way_out=way_out or usual or None
+    )
     error.named = named
     return error

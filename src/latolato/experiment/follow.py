@@ -7,12 +7,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, joined
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import undistorted
 from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
+from latolato.experiment.rules import said
 from latolato.experiment.sidecar import OUTSIDE, Setup
 from latolato.experiment.task import READ, Progress, Task, is_inside, part_of
 from latolato.experiment.tracking.body import ROUND, SHARE
@@ -58,7 +59,7 @@ class PathOnly:
     """Balls whose pivot is not known, and why."""
 
     seen: Positions
-    doubt: str
+    doubt: Sentence
 
 
 def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track] | PathOnly:
@@ -132,14 +133,14 @@ def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) 
             way_out="point at the pivot, or at a disc on the bob",
         )
     path = _positions(task, sample, route)
-    circle, doubt = _circle_of(task, path)
-    if circle is None or doubt is not None:
-        return PathOnly(path, f"{doubt}")
+    circle = _circle_of(task, path)
+    if isinstance(circle, Sentence):
+        return PathOnly(path, circle)
     attempt = replace(task, warnings=[])  # a track that is given up leaves no warnings
     scene, seen = _followed(attempt, sample, circle.centre, route, progress, is_unseen=True)
-    circle, doubt = _circle_of(task, seen)
-    if circle is None or doubt is not None:
-        return PathOnly(path, f"{doubt}")
+    circle = _circle_of(task, seen)
+    if isinstance(circle, Sentence):
+        return PathOnly(path, circle)
     task.warnings += attempt.warnings
     return Track(scene, seen, _calibrated(task, sample, scene, seen, circle))
 
@@ -271,8 +272,8 @@ def _corrections(task: Task, sample: Sample) -> Corrections:
     return placed
 
 
-def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
-    """Return the circle about a pivot that is not seen, and why it cannot be believed."""
+def _circle_of(task: Task, seen: Positions) -> Circle | Sentence:
+    """Return the circle about a pivot that is not seen, or why it cannot be believed."""
     video, setup, optics = task.video, task.setup, task.setup.optics
     size = video.width, video.height
     clean = np.where((seen.flags == "ok")[..., None], seen.centres, np.nan)
@@ -280,7 +281,11 @@ def _circle_of(task: Task, seen: Positions) -> tuple[Circle | None, str | None]:
     declared = None if setup.pivot is None else np.array(setup.pivot)
     has_lens = bool(optics.lens_k1 or optics.lens_k2)
     circle = unseen_circle(places, size, declared=declared, has_lens=has_lens)
-    return circle, doubt_about(seen.times, places, circle)
+    doubt = doubt_about(seen.times, places, circle)
+    if doubt is not None:
+        return doubt
+    assert circle is not None  # which is a doubt
+    return circle
 
 
 def _check_motion(seen: Positions, clean: float) -> None:
@@ -328,17 +333,16 @@ def _believed(
         )
     for finding in examine(sample, seen, balls, radius):
         if finding.is_refusal:
-            raise InputError(finding.reason, way_out=finding.way_out)
-        task.warnings.append(f"{finding.reason}; {finding.way_out}")
+            raise finding.fault
+        task.warnings.append(joined([finding.fault.rule, finding.fault.way_out or ""], "; "))
         if finding.doubtful is not None:
             seen.give_up(finding.doubtful)
     share = float(seen.is_measured.mean())
     if factor != 1.0 and share < _OFTEN:
-        task.warnings.append(
-            f"the ball was measured in only {100.0 * share:.0f} % of the samples: {pace}"
-        )
+        percent = f"{100.0 * share:.0f}"
+        task.warnings.append(said("hard_to_follow", percent=percent, factor=factor))
     elif seen.clean_share(~sample.repeats) < _SELDOM:
-        task.warnings.append(f"{seen.gaps_text(~sample.repeats)}; look at the overlay")
+        task.warnings.append(seen.gaps_text(~sample.repeats))
     return seen
 
 
@@ -361,10 +365,7 @@ def _calibrated(
         share = _PATTERN + _UNEXPLAINED * (1.0 - scene.explained)
         unsure = share * scene.look.radius / measured.hinge.arm
         measured.sigmas = np.hypot(measured.sigmas, unsure)
-        task.warnings.append(
-            "the ball has a pattern that turns with it: where the pattern resembles the "
-            f"background, angles are off by {1e3 * unsure:.2g} mrad or more"
-        )
+        task.warnings.append(said("turning_pattern", off=1e3 * unsure))
     return measured
 
 

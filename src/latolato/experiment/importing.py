@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, checked_number, suggest
+from latolato.experiment.rules import said
 from latolato.experiment.track_table import column_names, read_table, track_table
 from latolato.io.tables.clocks import seconds_of
 from latolato.io.tables.source import (
@@ -148,6 +149,28 @@ def import_table(
     -----
     Positions in pixels give angles only, since nothing says how long a pixel is.
     """
+    table, _ = imported(
+        path, columns, section=section, decimal=decimal, frame_rate=frame_rate, length=length,
+        radius=radius, pivot=pivot, angle_from=angle_from, y_axis=y_axis, angle_sigma=angle_sigma,
+    )  # fmt: skip
+    return table
+
+
+def imported(
+    path: str | Path,
+    columns: Mapping[str, str] | None = None,
+    *,
+    section: str | None = None,
+    decimal: str | None = None,
+    frame_rate: float | None = None,
+    length: float | None = None,
+    radius: float | None = None,
+    pivot: Sequence[float] | None = None,
+    angle_from: str = "down",
+    y_axis: str = "up",
+    angle_sigma: float | None = None,
+) -> tuple[xr.Dataset, list[str]]:
+    """Return what `import_table` returns, and the sentences on what had to be assumed."""
     path = Path(path)
     checked_choice("angle_from", angle_from, ("down", "right"))
     checked_choice("y_axis", y_axis, ("up", "down"))
@@ -178,7 +201,7 @@ def import_table(
         if any(unit == "px" for _, unit in asked.columns.values()):
             for place in _PLACES:  # which have served for angles
                 series.pop(place, None)
-            asked.notes.append("positions are in pixels without a scale, so only angles are kept")
+            asked.notes.append(said("only_angles"))
         _ask_about_directions(series, stated, asked.notes)
         for ball in (1, 2):
             if angle_sigma is not None and f"angle_{ball}" in series:
@@ -199,7 +222,7 @@ def import_table(
             attributes["length"] = checked_number("length", length, POSITIVE, "m")
         if radius is not None:
             attributes["radius"] = checked_number("radius", radius, NON_NEGATIVE, "m")
-        return track_table(series, attributes)
+        return track_table(series, attributes), asked.notes
 
 
 def read_measured(path: str | Path, columns: Mapping[str, str] | None = None) -> xr.Dataset:
@@ -483,7 +506,8 @@ def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _
     asked = _Import(section, columns, section.lines)
     for column, unit in asked.columns.values():
         if column.unit_from and unit == column.unit:
-            asked.notes.append(f"{column.label} is in [{unit}], from {column.unit_from}")
+            told = {"column": column.label, "unit": unit, "source": column.unit_from}
+            asked.notes.append(said("unit_from", **told))
     return asked
 
 
@@ -498,7 +522,7 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
                 way_out="add a column of frame numbers, or remove that line",
             )
         series["time"] = np.arange(len(lines), dtype=np.float64)
-        asked.notes.append("the file has no times; each row is a frame")
+        asked.notes.append(said("rows_are_frames"))
     elif asked.columns["time"][0].kind == "texts":
         series["time"] = _clock_times(asked, frame_rate)
     names = [name for name in asked.columns if name not in series]
@@ -519,7 +543,8 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
         )
     if not has_time.all():
         count = int((~has_time).sum())
-        asked.notes.append(f"{count} row{'s' * (count != 1)} without numbers left out")
+        rule = "empty_row" if count == 1 else "empty_rows"
+        asked.notes.append(said(rule, count=count))
         series |= {name: each[has_time] for name, each in series.items()}
         asked.lines = lines[has_time]
     falls = np.flatnonzero(np.diff(series["time"]) <= 0.0)
@@ -545,7 +570,7 @@ def _clock_times(asked: _Import, frame_rate: float | None) -> Floats:
     known = np.flatnonzero(np.isfinite(times))
     if known.size and times[known[0]] >= 3600.0:
         times = times - times[known[0]]
-        asked.notes.append(f"times are counted from {cells[known[0]]}")
+        asked.notes.append(said("times_from", time=cells[known[0]]))
     return times
 
 
@@ -608,7 +633,7 @@ def _convert(asked: _Import, frame_rate: float | None) -> None:
     is_whole = bool(np.all(series["time"] == np.floor(series["time"])))
     if is_clock:
         if frame_rate is not None:
-            asked.notes.append(f"times are those of frames at {frame_rate:g} per second")
+            asked.notes.append(said("times_of_frames", rate=frame_rate))
     elif frame_rate is not None:
         if column is not None:
             if unit not in ("", "1") or not is_whole:
@@ -616,7 +641,7 @@ def _convert(asked: _Import, frame_rate: float | None) -> None:
                     f"column {column.label} holds no frame numbers, which a frame rate needs",
                     way_out="name the column of frame numbers as time, or leave out frame_rate",
                 )
-            asked.notes.append(f"times are frame numbers divided by {frame_rate:g} per second")
+            asked.notes.append(said("divided_frames", rate=frame_rate))
         series["frame"] = series["time"]
         series["time"] = series["time"] / frame_rate
     elif column is not None and (unit == "1" or (is_whole and _is_called(column, _FRAMES))):
@@ -698,13 +723,14 @@ def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
         return angle
     changed = np.abs(unwrapped - angle)
     if np.nanmax(changed) > np.pi:
-        notes.append(f"jumps of a whole turn removed from {name}")
+        notes.append(said("removed_jumps", column=name))
     # A swing lies about its median; a ball that goes round is counted from where it begins.
     middle = np.median(known) if np.ptp(known) < 2.0 * np.pi else known[0]
     turns = round(float(middle) / (2.0 * np.pi))
     if turns == 0:
         return unwrapped
-    notes.append(f"{turns} whole turn{'s' * (abs(turns) != 1)} taken off {name}")
+    rule = "removed_turn" if abs(turns) == 1 else "removed_turns"
+    notes.append(said(rule, count=turns, column=name))
     result: Floats = unwrapped - 2.0 * np.pi * turns
     return result
 
@@ -718,12 +744,8 @@ def _ask_about_directions(
         if angle is None or not np.isfinite(angle).any():
             continue
         if abs(float(np.nanmedian(angle))) > 0.5 * np.pi:
-            question = (
-                "is it counted from the x axis (angle_from = 'right')?"
-                if name in stated
-                else "does y point down (y_axis = 'down')?"
-            )
-            notes.append(f"{name} is above the pivot in most rows: {question}")
+            rule = "stated_above" if name in stated else "placed_above"
+            notes.append(said(rule, column=name))
 
 
 def _place_angles(

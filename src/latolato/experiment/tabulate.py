@@ -12,6 +12,7 @@ from latolato.experiment.calibration.scale import TOLERANCE, Scale, scale_of, st
 from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.follow import PathOnly, Track
 from latolato.experiment.period import halves_apart, period_of
+from latolato.experiment.rules import place_text, said
 from latolato.experiment.task import Task
 from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.sample import Sample
@@ -58,10 +59,7 @@ def angle_table(task: Task, tracks: list[Track]) -> xr.Dataset:
     for track in tracks:
         _warn_of(task, track, scale)
     if scale is None:
-        task.warnings.append(
-            "the length is unknown, so positions are in pixels only; to set the scale, give the "
-            "length, a stick, or the radius of a ball"
-        )
+        task.warnings.append(said("no_scale"))
     attributes = {
         **_declared(task, "metric" if scale else "angles"),
         "scale_source": scale.source if scale else None,
@@ -105,27 +103,22 @@ def _warn_of(task: Task, track: Track, scale: Scale | None) -> None:
     setup, video = task.setup, task.video
     hinge, look = track.measured.hinge, track.scene.look
     if hinge.source == "arc":
-        u, v = track.measured.pivots[0]
-        and_scale = ", and the scale," if scale and scale.source == "length" else ""
-        task.warnings.append(
-            "the pivot is not in the picture: it is assumed to be at rest at "
-            f"({u:.0f}, {v:.0f}), the centre of the ball's arc; all angles{and_scale} share an "
-            f"error of {100.0 * hinge.scale_sigma:.2g} %"
-        )
+        has_scale = scale and scale.source == "length"
+        rule = "pivot_and_scale_of_arc" if has_scale else "pivot_of_arc"
+        place, percent = place_text(track.measured.pivots[0]), 100.0 * hinge.scale_sigma
+        task.warnings.append(said(rule, place=place, percent=percent))
     if scale is None:
         return
-    about = "length from pivot to ball centre" if scale.source == "length" else scale.source
-    sizes = [("radius of a ball", setup.radius, look.radius, look.radius_sigma)]
+    sizes = [("radius", setup.radius, look.radius, look.radius_sigma)]
     if setup.stick is not None:
         pixels = stick_pixels(setup, (video.width, video.height))
         sizes.append(("stick", setup.stick_length, pixels, math.sqrt(2.0)))
     for name, declared, pixels, sigma in sizes:
         doubt = TOLERANCE + math.hypot(sigma / pixels, 2.0 * scale.share)
         if declared and abs(pixels * scale.metres / declared - 1.0) > doubt:
-            task.warnings.append(
-                f"the {name} is {pixels * scale.metres * 1e3:.2f} mm by the scale of the "
-                f"{scale.source}, declared were {declared * 1e3:.2f} mm: is the {about} right?"
-            )
+            measured, told = (f"{1e3 * size:.2f}" for size in (pixels * scale.metres, declared))
+            rule = f"other_{name}_by_{scale.source}"
+            task.warnings.append(said(rule, measured=measured, declared=told))
 
 
 def _measured(task: Task, track: Track, scale: Scale | None) -> dict[str, Any]:
@@ -170,17 +163,11 @@ def path_table(task: Task, sample: Sample, path: PathOnly) -> xr.Dataset:
     for b in range(seen.centres.shape[1]):
         columns[f"ball_{b + 1}_u"], columns[f"ball_{b + 1}_v"] = seen.centres[:, b].T
         columns[f"flag_{b + 1}"] = seen.flags[:, b]
-    task.warnings.append(
-        f"{path.doubt}: the geometry is unknown, so there are no angles and the ball's positions "
-        "are in pixels; its period is in the table's attributes"
-    )
+    task.warnings.append(said("unknown_geometry", doubt=path.doubt))
     period, sigma = period_of(seen.times, seen.centres[:, 0])
     apart = halves_apart(seen.times, seen.centres[:, 0])
     if apart is not None:
-        task.warnings.append(
-            f"the period changes from {apart[0]:.5g} to {apart[1]:.5g} s between the halves of the "
-            "clip, as with the amplitude, with the length, or where films are joined"
-        )
+        task.warnings.append(said("period_changes", before=apart[0], after=apart[1]))
     if math.isnan(period):
         share = seen.clean_share(~sample.repeats)
         if share < _AT_LEAST:  # nothing says that it swings
@@ -191,7 +178,7 @@ def path_table(task: Task, sample: Sample, path: PathOnly) -> xr.Dataset:
                 f"and no swing is seen: {path.doubt}",
                 way_out="point at the middle of the ball that swings, and at its pivot",
             )
-        task.warnings.append("no period: fewer than three swings were seen")
+        task.warnings.append(said("no_period"))
     attributes = {
         **_declared(task, "unknown"),
         "radius_pixels": seen.radius,

@@ -11,7 +11,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import InputError, Sentence, reading
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -47,7 +47,7 @@ class Task:
     video: Video
     setup: Setup
     sample: Sample | None = None
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Sentence] = field(default_factory=list)
     # Of a ball that was found, roughly [pixels].
     radius: float | None = None
     # Where the set-up was read from, None if it was given or found.

@@ -11,9 +11,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.core.atomic import checked_path
-from latolato.core.errors import reading
+from latolato.core.errors import Sentence, reading
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.follow import PathOnly, follow
+from latolato.experiment.rules import said
 from latolato.experiment.sidecar import (
     checked_correction,
     checked_region,
@@ -208,59 +209,40 @@ def run(task: Task, progress: Progress | None = None) -> xr.Dataset:
         else:
             table = angle_table(task, found)
     if isinstance(task.video.steadier, Steadier):
-        task.warnings.append(
-            f"the camera moves by up to {task.video.steadier.moved:.1f} pixels: corrected on the "
-            "background"
-        )
+        pixels = f"{task.video.steadier.moved:.1f}"
+        task.warnings.append(said("moving_camera_corrected", pixels=pixels))
         table.attrs["camera_motion"] = task.video.steadier.moved
     task.warnings += _frame_warnings(task.video, sample, table)
     if task.warnings:
-        # One text, whose parts a semicolon tells apart, and each part once.
-        task.warnings[:] = dict.fromkeys(text.replace("; ", ", ") for text in task.warnings)
-        table.attrs["warnings"] = "; ".join(task.warnings)
+        task.warnings[:] = dict.fromkeys(task.warnings)
+        # One text, whose parts a semicolon tells apart.
+        table.attrs["warnings"] = "; ".join(text.replace("; ", ", ") for text in task.warnings)
     if progress:
         progress(1.0)
     return table
 
 
-def _frame_warnings(video: Video, sample: Sample, table: xr.Dataset) -> list[str]:
+def _frame_warnings(video: Video, sample: Sample, table: xr.Dataset) -> list[Sentence]:
     """Return warnings of frames that repeat or are missing, and of an unsure pace."""
     result = []
     repeats = _telling_repeats(table, sample.repeats)
     if repeats:
-        result.append(
-            f"{_some_frames(repeats, 'repeats', 'repeat')} the previous picture: such frames are "
-            "out of date and not measured"
-            + (
-                "; they do so regularly, as after a conversion to another frame rate: times are "
-                "assumed to be even, not as in the file"
-                if sample.is_converted
-                else ""
-            )
-        )
+        rule = "repeated_frame" if repeats == 1 else "repeated_frames"
+        times = said("even_times") if sample.is_converted else ""
+        result.append(said(rule, count=repeats, times=times))
     if sample.gaps.any():
-        result.append(
-            f"{_some_frames(sample.gaps.sum(), 'is', 'are')} missing according to the time "
-            f"stamps, the longest gap is {np.diff(sample.times).max():.3g} s"
-        )
+        count, longest = int(sample.gaps.sum()), np.diff(sample.times).max()
+        rule = "missing_frame" if count == 1 else "missing_frames"
+        result.append(said(rule, count=count, gap=longest))
     missing = video.expected_count - table.sizes["frame"]
     if missing > _FEW_MISSING and video.end == math.inf:
-        result.append(
-            f"{missing} of the {video.expected_count} frames that the file declares "
-            + ("are missing: it is cut off" if video.is_cut_off else "could not be decoded")
-        )
+        rule = "cut_off" if video.is_cut_off else "not_decoded"
+        result.append(said(rule, count=missing, total=video.expected_count))
     clock = video.clock
     if video.slow_motion == 1.0 and not clock.is_sure:
-        result.append(
-            f"the file says that {clock.capture_rate:.4g} frames a second were filmed and "
-            f"{clock.shown_rate:.4g} are shown: if it is slow motion, declare one of "
-            f"{clock.slow_motion:.3g}"
-        )
+        rates = {"filmed": clock.capture_rate, "shown": clock.shown_rate}
+        result.append(said("unsure_pace", **rates, factor=clock.slow_motion))
     return result
-
-
-def _some_frames(count: int, one: str, many: str) -> str:
-    return f"{count} frame {one}" if count == 1 else f"{count} frames {many}"
 
 
 def _telling_repeats(table: xr.Dataset, repeats: np.ndarray) -> int:

@@ -13,9 +13,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import InputError, Word, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
+from latolato.experiment.rules import broken
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -141,15 +142,11 @@ def checked_table(table: Any, *needed: str) -> xr.Dataset:
         )
     for name in needed:
         if name not in table.variables:
-            known = QUANTITIES[name].long_name if name in QUANTITIES else name
-            raise InputError(
-                f"the {known} was not measured", way_out=f"the track table needs a column '{name}'"
-            )
+            known = Word(QUANTITIES[name].long_name if name in QUANTITIES else name)
+            raise broken("no_column", {"quantity": known, "column": name})
         if not np.any(np.isfinite(table[name].values)):
-            raise InputError(
-                f"the {table[name].attrs.get('long_name', name)} was not measured",
-                way_out=f"the column '{name}' of the track table holds no numbers",
-            )
+            known = Word(table[name].attrs.get("long_name", name))
+            raise broken("empty_column", {"quantity": known, "column": name})
     return table
 
 

@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from latolato.core.atomic import checked_path
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, joined
 from latolato.core.faults import line_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import MEASURED, balls_of, checked_table
 from latolato.experiment.trial_statistics import (
     class_of,
@@ -89,13 +90,13 @@ def trial_of(
     frequency has steps, the drive is that of the last stage.
     """
     from latolato.experiment.fits.drive import fit_drive
-    from latolato.experiment.fits.result import size_question
+    from latolato.experiment.fits.result import size_questions
 
     checked_table(table, "pivot_y", "angle_1")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     length = length_of(table, length)
     if length is None:
-        raise InputError("is not in the table", parameter="length", way_out="give it")
+        raise broken("unknown_length", parameter="length")
     inside = within(table["time"].values, start, end)
     table = table.isel(frame=np.flatnonzero(inside))
     time = table["time"].values
@@ -111,19 +112,19 @@ def trial_of(
             )
     drive = fit_drive(table, profile=False)
     if not drive.describes:
-        raise InputError(drive.doubt, way_out="give start and end of a part without a break")
+        raise broken("broken_trial", {"doubt": drive.doubt})
     frequency = drive["drive_frequency"]
     notes = []
     if "drive_frequency_final" in drive:
         frequency = drive["drive_frequency_final"]
-        notes.append(f"frequency stepped at {drive['step_time'].value:.4g} s")
+        notes.append(said("note_step", time=drive["step_time"].value))
     notes += [
-        f"unusual {name.replace('_', ' ')}: units?"
-        for name in ("drive_amplitude", "drive_frequency")
-        if size_question(name, drive[name].value)
+        said(f"note_{part}")
+        for part in ("amplitude", "frequency")
+        if size_questions(drive.estimates, f"drive_{part}")
     ]
     if "It is not steady" in drive.verdict:
-        notes.append("drive not steady")
+        notes.append(said("note_unsteady"))
     _check_hanging(table)
     angles = [
         _largest(*_measured_samples(table, ball), late) for ball in range(1, balls_of(table) + 1)
@@ -131,7 +132,7 @@ def trial_of(
     whole = max((each[0] for each in angles), key=lambda pair: pair[0])
     steady, swings, has_settled = max((each[1:] for each in angles), key=lambda each: each[0][0])
     if not has_settled:
-        notes.append("not settled in the last part")
+        notes.append(said("note_settling"))
     return {
         "source": str(table.attrs.get("source", "")),
         "drive_amplitude": drive["drive_amplitude"].value,
@@ -148,7 +149,7 @@ def trial_of(
         "swings": swings,
         "balls": balls_of(table),
         "length": length,
-        "note": "; ".join(notes),
+        "note": joined(notes, "; "),
     }
 
 
@@ -157,11 +158,7 @@ def _check_hanging(table: xr.Dataset) -> None:
     for ball in range(1, balls_of(table) + 1):
         middle = float(np.nanmedian(table[f"angle_{ball}"].values))
         if abs(middle) > 0.5 * math.pi:
-            raise InputError(
-                f"ball {ball} moves about {math.degrees(middle):.4g} degrees, but a ball that "
-                "hangs is at 0: its angles are counted from elsewhere, or are off by a turn",
-                way_out="import them with --angle-from, or take the turn off",
-            )
+            raise broken("angles_elsewhere", {"ball": ball, "angle": math.degrees(middle)})
 
 
 def collect_trials(
@@ -381,9 +378,7 @@ def _measured_samples(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Flo
     flag = table[f"flag_{ball}"].values.astype(str)
     good = np.isfinite(angle) & np.isin(flag, MEASURED)
     if good.sum() < 8:
-        raise InputError(
-            f"ball {ball} was seen in {good.sum()} frames, but a trial needs at least 8"
-        )
+        raise broken("few_frames", {"ball": ball, "count": good.sum()})
     sigma = table[f"angle_sigma_{ball}"].values[good]
     known = np.isfinite(sigma) & (sigma > 0.0)
     sigma = filled(sigma) if known.any() else np.full(good.sum(), noise_of(angle[good]))
@@ -399,7 +394,7 @@ def _largest(
     whole = largest_of(sizes, errors, np.abs(angle), sigma, varies=0.0)
     last, inside = when >= late, time >= late
     if inside.sum() < 4:
-        raise InputError(f"the ball was seen in {inside.sum()} frames of the last part")
+        raise broken("few_late_frames", {"count": inside.sum()})
     steady = largest_of(sizes[last], errors[last], np.abs(angle[inside]), sigma[inside])
     middle = 0.5 * (late + float(time[-1]))
     halves = [

@@ -5,7 +5,8 @@ import { test } from "node:test";
 
 import { ClipClock } from "../../../src/latolato/app/static/js/measure/video_clock.js";
 import { clockText } from "../../../src/latolato/app/static/js/measure/setup.js";
-import { Track } from "../../../src/latolato/app/static/js/measure/track.js";
+import { panelsOf, Track } from "../../../src/latolato/app/static/js/measure/track.js";
+import { valueAt } from "../../../src/latolato/app/static/js/player/traces.js";
 import { withSigma } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 test("a number is told to the second digit of its deviation", () => {
@@ -42,6 +43,10 @@ test("no curve is drawn over a gap between samples, which is shaded", () => {
   assert.deepEqual([shade.from.toFixed(3), shade.to.toFixed(3), shade.paint], ["0.100", "0.200", "flag-lost"]);
   const [{ values }] = track([2]).perBall(() => [1, 2, 3, NaN], 10);
   assert.deepEqual(values, [10, 20, null, null]);
+  // The legend of the chart has no value there either.
+  assert.deepEqual([0, 1, 1.5, 2].map((time) => valueAt([0, 1, 2, 3], values, time)), [10, 20, NaN, NaN]);
+  const [{ label }] = panelsOf(track([2]));
+  assert.equal(label, "angle [°]; shaded where there are no samples");
 });
 
 test("places are those of the frame", () => {

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.rules import Rule
+from latolato.core.errors import Sentence
+from latolato.core.rules import Rule, sentence
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
     from latolato.experiment.fits.apparatus import Apparatus
 
-# A sentence of `FINDINGS`, in the form of those of `InputError.parts`, or the doubt of a fit.
-Sentence = dict[str, Any] | str
 # The sentences; pages translate them by their names, as those of rules.
 FINDINGS = {
     "swing_fades": Rule(
@@ -72,7 +71,7 @@ _RULER = 1e-3
 
 def finding_of(
     table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]], trial: Mapping[str, Any] | None
-) -> list[Sentence]:
+) -> list[str]:
     """The finding of a video or a table in sentences; the first is the answer or a doubt.
 
     Parameters
@@ -88,7 +87,7 @@ def finding_of(
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
     )
     doubt = _doubt(table, cards)
-    sentences: list[Sentence]
+    sentences: list[str]
     if drive:
         sentences = _driven(table, drive, trial)
     elif doubt:
@@ -105,9 +104,9 @@ def finding_of(
     return sentences
 
 
-def _sentence(name: str, **values: Any) -> dict[str, Any]:
-    """Return one of `FINDINGS` with what stands in its gaps."""
-    return {"name": name, "part": "rule", "text": FINDINGS[name].rule, "values": values}
+def _sentence(name: str, /, **values: Any) -> Sentence:
+    """Return one of `FINDINGS`."""
+    return sentence(name, FINDINGS, **values)
 
 
 def _doubt(table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]]) -> str:
@@ -237,12 +236,13 @@ def _half_life(decay: Mapping[str, Any]) -> tuple[float, float] | None:
 
 def _driven(
     table: xr.Dataset, drive: Mapping[str, Any], trial: Mapping[str, Any] | None
-) -> list[Sentence]:
+) -> list[str]:
     """Return how the pivot moves, and how far the balls swing."""
-    rates = _sentence("one_rate", rate=_text(drive["drive_frequency"], 1.0 / math.tau))
+    rate = _text(drive["drive_frequency"], 1.0 / math.tau)
+    rates = _sentence("one_rate", rate=rate)
     if "drive_frequency_final" in drive:
         later = _text(drive["drive_frequency_final"], 1.0 / math.tau)
-        rates = _sentence("two_rates", **rates["values"], later=later)
+        rates = _sentence("two_rates", rate=rate, later=later)
     if trial is None:
         largest = math.degrees(np.nanmax(np.abs(table["angle_1"])))
         angle = f"≈ {largest:.0f}°"
@@ -286,7 +286,7 @@ def _plain(table: xr.Dataset) -> Sentence:
     return _sentence("one_swing", period=plus_minus(period, sigma))
 
 
-def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> list[Sentence]:
+def _collisions(table: xr.Dataset, restitution: Mapping[str, Any] | None) -> list[str]:
     """Sentences about how much speed the balls keep when they collide, and where that is."""
     touching = table["flag_1"].values == "collision"
     if not restitution and not touching.any():

@@ -11,10 +11,11 @@ import numpy as np
 from latolato.app.blocks import pack
 from latolato.app.experiment.description import Description, apparatus_of
 from latolato.app.run_request import options_of
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, joined
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.drive_across import vertical_part
 from latolato.experiment.fits.result import Fit, quantity_of
+from latolato.experiment.rules import said
 from latolato.experiment.track_table import balls_of
 from latolato.experiment.trials import trial_of
 from latolato.physics.pendulum import LatoLato, System
@@ -53,7 +54,7 @@ def fits_of(
             model = own or model
         except InputError as error:
             error.way_out = None  # what to do about it in Python is no help here
-            cards[name] = {"kind": name, "error": str(error)}
+            cards[name] = {"kind": name, "error": error.parts() or str(error)}
     return cards, model
 
 
@@ -79,7 +80,7 @@ def fit_of(
         motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
     card = card_of(fit)
     if verdict:
-        card["verdict"] = f"{card['verdict']} {verdict}"
+        card["verdict"] = joined([card["verdict"], verdict])
     if system is not None:
         start = start_of(*motion[0]) if motion else None
         card["play"] = play_options(system, fit, start, table)
@@ -113,7 +114,7 @@ def _fitted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
 
 def _predicted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
     """Return the motion computed from the start on and its verdict, or the curve where it fails."""
-    from latolato.experiment.comparison.motion import compare_motion
+    from latolato.experiment.comparison.motion import compare_motion, verdict_of
 
     assert fit.system is not None
     try:
@@ -122,7 +123,7 @@ def _predicted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
         motion, verdict = _fitted(table, fit)
     else:
         motion = [(comparison["time"].values, comparison["angle_computed"].values)]
-        verdict = str(comparison.attrs["verdict"])
+        verdict = verdict_of(comparison)
     if isinstance(fit.system, LatoLato):
         motion += [(times, -angles) for times, angles in motion]
     return motion, verdict
@@ -207,14 +208,14 @@ def longest_step(times: Any) -> float:
 
 def trial_row(
     table: xr.Dataset, description: Description
-) -> tuple[dict[str, Any] | None, str | None]:
+) -> tuple[dict[str, Any] | None, str | dict[str, Any] | None]:
     """Return the row of the trial table, or None and why there is none."""
     if str(table.attrs.get("geometry")) == "unknown":
-        return None, "no pivot in the picture: no angles"
+        return None, said("no_angles")
     try:
         gravity = apparatus_of(description, table).gravity
         row = trial_of(table, length=description.get("length"), gravity=gravity)
     except InputError as error:
         error.way_out = None
-        return None, str(error)
+        return None, error.parts() or str(error)
     return row, None

@@ -7,10 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Protocol
 
+from latolato.app.answers import Body
 from latolato.app.experiment.store import UPLOAD, Clip, Store
 from latolato.app.jobs import Job
 from latolato.app.worker import Result
 from latolato.core.errors import InputError
+from latolato.core.registry import checked_choice
 
 
 class Progress(Protocol):
@@ -42,7 +44,7 @@ def prepare(store: Store, request: Mapping[str, Any]) -> Job:
             about["trials"] = trial_rows(store.of_desk(clip.desk))
         return about
 
-    work = {**request, "name": clip.name}
+    work = Body(request, name=clip.name)
     return Job(compute, work, finish, place=partial(store.work_on, clip))
 
 
@@ -68,15 +70,21 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Res
     InputError
         With the reason.
     """
-    job = {**request, "folder": str(folder), "path": str(folder / UPLOAD)}
+    job = Body(request, folder=str(folder), path=str(folder / UPLOAD))
     try:
         # Here: a failure is reported as any other.
         from latolato.app.experiment.work import WORK
 
-        return WORK[job["do"]](job, lambda stage, share: progress(share, stage))
+        return WORK[checked_choice("do", job["do"], list(WORK))](
+            job, lambda stage, share: progress(share, stage)
+        )
     except MemoryError:
         raise InputError("this file needs more memory than there is: make it smaller") from None
     except (InputError, OSError) as error:
+        if isinstance(error, InputError):
+            error.where = job["name"] if error.where == job["path"] else error.where
+            if job["path"] not in str(error):
+                raise
         parameter = error.parameter if isinstance(error, InputError) else None
         raise InputError(one_line(error, job), parameter=parameter) from None
 

@@ -27,7 +27,7 @@ from latolato.app.experiment.jobs import prepare, trial_rows
 from latolato.app.experiment.store import COPY, FILES, Store
 from latolato.app.jobs import GONE, serve_job
 from latolato.app.run_request import TooLargeError
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, in_parts
 from latolato.simulation.summary import plain
 
 
@@ -75,7 +75,7 @@ async def _remove(request: Request) -> Response:
     clip = store.clip((await json_of(request))["clip"])
     store.remove(clip)
     trials = await run_in_threadpool(trial_rows, store.of_desk(clip.desk))
-    return JSONResponse({"trials": plain(trials)})
+    return JSONResponse(plain(in_parts({"trials": trials})))
 
 
 def _file(request: Request) -> Response:

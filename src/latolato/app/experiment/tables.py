@@ -12,7 +12,7 @@ from latolato.app.experiment.description import Description
 from latolato.core.errors import InputError, reading
 from latolato.core.registry import suggest
 from latolato.experiment.importing import (
-    import_table,
+    imported,
     is_track_file,
     parts_of,
     proposed_columns,
@@ -140,8 +140,10 @@ def _named(section: Section, column: SourceColumn, unit: str) -> str:
     return f"{name} [{unit}]" if unit and unit != column.unit else name
 
 
-def track_table_of(job: Mapping[str, Any], choices: Import | None) -> xr.Dataset:
-    """Return the track table that a page makes of an upload; None for a track table itself.
+def track_table_of(job: Mapping[str, Any], choices: Import | None) -> tuple[xr.Dataset, list[str]]:
+    """Return the track table that a page makes of an upload, and what had to be assumed.
+
+    Without choices the upload is a track table itself.
 
     Raises
     ------
@@ -151,7 +153,7 @@ def track_table_of(job: Mapping[str, Any], choices: Import | None) -> xr.Dataset
     path = Path(job["path"])
     if choices is None:
         # Uploads have no suffix, by which formats are known.
-        return read_table(shutil.copyfile(path, path.with_name("own.csv")))
-    table = import_table(path, choices.columns, **choices.arguments)
+        return read_table(shutil.copyfile(path, path.with_name("own.csv"))), []
+    table, notes = imported(path, choices.columns, **choices.arguments)
     table.attrs["source"] = job["name"]
-    return table
+    return table, notes

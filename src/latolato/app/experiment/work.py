@@ -175,15 +175,13 @@ def import_(job: Job, tell: Tell) -> Result:
     tell("reading", 0.0)
     path, folder = Path(job["path"]), Path(job["folder"])
     choices = None if is_track_file(path) else import_of(path, description)
-    table = track_table_of(job, choices)
+    table, notes = track_table_of(job, choices)
     result, models = _results(table, description, folder, None, tell)
     kinds = [name for name, card in result["fits"].items() if "values" in card]
     about = (job["name"], choices, kinds, apparatus_of(description, table))
     code = [python_lines(*about), command_lines(*about)]
-    assumed = table.attrs.get("assumed")
-    warned = [assumed] if assumed else []
     points = _bytes(pack(*_motion(table)))
-    return {**result, "code": code, "warnings": warned}, {"points": points, **models}
+    return {**result, "code": code, "warnings": notes}, {"points": points, **models}
 
 
 def _bytes(block: bytes) -> Any:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.app.answers import Body
 from latolato.app.blocks import content_of
 from latolato.app.downloads import PICTURE_DPI, TYPES
 from latolato.app.forms import units_of
@@ -51,7 +52,7 @@ def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
         If no such map was named.
     """
     stored = body.get("stored")
-    return Job(compute, {**body, "path": None if stored is None else path_of(known, stored)})
+    return Job(compute, Body(body, path=None if stored is None else path_of(known, stored)))
 
 
 def scenario_of(body: Mapping[str, Any]) -> Scenario:

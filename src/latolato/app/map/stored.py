@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.app.answers import Body
 from latolato.app.forms import shown_variable, units_of
 from latolato.app.jobs import Job
 from latolato.app.run_request import TooLargeError, options_of
@@ -83,7 +84,7 @@ def prepare(known: Mapping[str, Path], body: Mapping[str, Any]) -> Job:
     InputError
         If no such map was named.
     """
-    return Job(compute, {**body, "path": path_of(known, body["stored"])})
+    return Job(compute, Body(body, path=path_of(known, body["stored"])))
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Result:

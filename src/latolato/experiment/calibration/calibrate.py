@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.experiment.calibration.circle import Circle
 from latolato.experiment.calibration.deviations import (
     SYSTEMATIC,
@@ -31,6 +31,7 @@ from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, othe
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
+from latolato.experiment.rules import place_text, said
 from latolato.experiment.tracking.positions import Positions
 
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
@@ -61,7 +62,7 @@ class Calibration:
         of the hinge [rad].
     motion : Motion
         What was seen of balls and pivot, with angles from straight down in the picture.
-    warnings : list of str
+    warnings : list of Sentence
         What the user should know.
     tilt : Tilt
         How obliquely the camera looks, which angles and `arm` are corrected for.
@@ -75,7 +76,7 @@ class Calibration:
     gravity: Gravity
     angle_offset_sigma: float
     motion: Motion
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Sentence] = field(default_factory=list)
     tilt: Tilt = field(default_factory=Tilt)
 
     @property
@@ -151,11 +152,8 @@ def calibrate(
             # What a turn in the picture is in the plane.
             slopes = (shown / np.linalg.norm(away, axis=-1)) ** 2 / math.cos(tilt.angle)
             sigmas = np.hypot(sigmas * slopes, unsure)
-            hinge.warnings.append(
-                "the camera looks at the swing at an angle of "
-                f"{math.degrees(tilt.angle):.3g} ± {math.degrees(tilt.sigma):.1g} degrees: angles "
-                "are corrected for the oval seen; film along the pivot's axis for full accuracy"
-            )
+            slant = f"{math.degrees(tilt.angle):.3g} ± {math.degrees(tilt.sigma):.1g}"
+            hinge.warnings.append(said("oblique_camera", angle=slant))
     else:
         hinge = _unseen_hinge(circle, range_of(seen.angles[use]))
     offset, warnings = hinge.offset, hinge.warnings
@@ -178,10 +176,7 @@ def calibrate(
         # Next to unknown angles, the fastest.
         speeds[np.isnan(speeds)] = np.nanmax(np.abs(speeds))
         honest = np.hypot(honest, late * speeds)
-        warnings.append(
-            f"the time stamps are off by about {1e3 * late:.2g} ms: the deviations of fast balls "
-            "include that"
-        )
+        warnings.append(said("late_stamps", late=1e3 * late))
     honest = np.hypot(honest, hinge.sway / hinge.arm)
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
@@ -190,20 +185,14 @@ def calibrate(
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:
-            warnings.append(
-                "the ball's path is distorted (lens, perspective or rolling shutter): "
-                f"angles may be off by {1e3 * float(np.nanmax(np.abs(wrong[use]))):.2g} mrad; "
-                "declare the lens (--lens-k1) or the shutter (--row-time)"
-            )
+            off = 1e3 * float(np.nanmax(np.abs(wrong[use])))
+            warnings.append(said("distorted_path", off=off))
     elsewhere = other_centre(in_picture[use], seen.angles[use], hinge, noise)
     if elsewhere is not None:
         sigmas = np.hypot(sigmas, _turned_otherwise(angles, in_picture - elsewhere, use))
-        u, v = np.nanmedian(seen.pivots, axis=0) + elsewhere
-        warnings.append(
-            f"the ball moves as well on a circle about ({u:.0f}, {v:.0f}), "
-            f"{np.hypot(*elsewhere):.0f} pixels from where the pivot was taken to be: if the pivot "
-            "is there, point at it again; the deviations contain both"
-        )
+        place = place_text(np.nanmedian(seen.pivots, axis=0) + elsewhere)
+        pixels = f"{np.hypot(*elsewhere):.0f}"
+        warnings.append(said("other_centre", place=place, pixels=pixels))
     motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
     down = find_gravity(motion, hinge)
     if down.swing is None and is_upside_down(motion, hinge):
@@ -217,11 +206,7 @@ def calibrate(
         shared = math.hypot(shared, CLICK / hinge.arm)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
-        warnings.append(
-            "the direction of gravity cannot be found (the clip shows neither the axis of a drive "
-            "nor a free swing about a pivot at rest): angles are measured "
-            f"from straight down in the picture, ± {math.degrees(down.sigma):.0f} degrees"
-        )
+        warnings.append(said("unknown_gravity", angle=f"{math.degrees(down.sigma):.0f}"))
     return Calibration(
         angles - down.direction,
         sigmas,

@@ -7,9 +7,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from latolato.core.errors import Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
+from latolato.experiment.rules import place_text, said
 
 # Fewest places that make a circle, and the distance from which one is a mistake of the tracker
 # [standard deviations].
@@ -46,7 +48,7 @@ class Circle:
         Robust standard deviation of the distances from it [pixels].
     is_declared : bool
         Whether it uses a position that the user declared.
-    warnings : list of str
+    warnings : list of Sentence
         What the user should know.
     """
 
@@ -55,7 +57,7 @@ class Circle:
     covariance: np.ndarray
     residual: float
     is_declared: bool = False
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Sentence] = field(default_factory=list)
 
     @property
     def scale_sigma(self) -> float:
@@ -113,10 +115,11 @@ def unseen_circle(
         else:
             centre, away = fit.centre, np.sqrt(np.diag(fit.covariance))
             warnings = [
-                f"the pivot declared at ({declared[0]:.0f}, {declared[1]:.0f}) is not the centre "
-                f"of the ball's arc, ({centre[0]:.0f}, {centre[1]:.0f}) give or take "
-                f"({away[0]:.0f}, {away[1]:.0f}) pixels, which is used instead"
-            ]
+                said(
+                    "declared_pivot", declared=place_text(declared), centre=place_text(centre),
+                    away=place_text(away[:2]),
+                )
+            ]  # fmt: skip
     return Circle(fit.centre, fit.arm, fit.covariance, fit.residual, is_declared, warnings)
 
 
@@ -133,7 +136,7 @@ def _shared_sigma(fit: CircleFit, piece: np.ndarray) -> float:
     return math.sqrt(max(factor, 1.0) * plain + len(piece) * UNROUND**2)
 
 
-def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) -> str | None:
+def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) -> Sentence | None:
     """Return why a circle does not show a pivot at rest, None if it does.
 
     Parameters
@@ -153,25 +156,16 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
     different arm.
     """
     if circle is None:
-        return "the ball was seen too rarely to locate its pivot"
+        return said("rarely_seen")
     if circle.scale_sigma > _STRAIGHT:
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
-        return (
-            "the path is too straight to locate the pivot: it is more than about "
-            f"{least:.0f} pixels from the ball"
-        )
+        return said("straight_path", pixels=f"{least:.0f}")
     for ball in range(places.shape[1]):
         moves = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
         if moves is not None:
-            return (
-                f"the pivot seems to move outside the picture, by {moves[0]:.1f} pixels at "
-                f"{moves[1]:.2g} Hz"
-            )
+            return said("outside_pivot_moves", pixels=f"{moves[0]:.1f}", rate=moves[1])
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
-        return (
-            f"the path is not a circle about one pivot: it is {circle.residual:.1f} pixels off the "
-            "best fit"
-        )
+        return said("no_circle", pixels=f"{circle.residual:.1f}")
     return None
 
 

@@ -7,7 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from latolato.core.errors import Sentence
 from latolato.experiment.calibration.circle_fit import fit_circle
+from latolato.experiment.rules import said
 
 # Arc above which a path that is no circle shows [rad].
 WIDE_ARC = math.radians(60.0)
@@ -45,7 +47,7 @@ class Hinge:
         Range of angles seen [rad].
     residual : float
         Root mean square distance from the circle [pixels].
-    warnings : list of str
+    warnings : list of Sentence
         What the user should know.
     source : str
         ``"picture"``, or where the picture does not show the pivot ``"declared"`` or ``"arc"``.
@@ -62,7 +64,7 @@ class Hinge:
     arm: float
     arc: float
     residual: float
-    warnings: list[str] = field(default_factory=list)
+    warnings: list[Sentence] = field(default_factory=list)
     source: str = "picture"
     scale_sigma: float = 0.0
     aside: float = 0.0
@@ -108,11 +110,8 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     is_wide = arc >= WIDE_ARC
     is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
     if is_oval or float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fit.arm):
-        warning = (
-            f"the ball does not move on a circle about the pivot (centre off by "
-            f"{np.hypot(*offset):.1f} pixels, residual {max(bent, oval):.2f} pixels): lens, "
-            "perspective or rolling shutter; the pivot is used as clicked"
-        )
+        sizes = {"offset": f"{np.hypot(*offset):.1f}", "residual": f"{max(bent, oval):.2f}"}
+        warning = said("off_centre", **sizes)
         sigma = np.maximum(clicked, np.abs(offset))
         as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
         return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
@@ -123,10 +122,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     # A pivot that moves to the side changes distances by the sine of the angle only. It may have
     # been pointed at where it turns.
     sway = bent * math.sqrt(2.0 / float(np.mean(np.sin(direction) ** 2)))
-    warning = (
-        f"the ball's distance from the pivot varies by {bent:.2f} pixels, more than its scatter: "
-        f"the pivot may sway by {sway:.2g} pixels unseen, which the deviations contain"
-    )
+    warning = said("swaying_pivot", varies=f"{bent:.2f}", sway=sway)
     return Hinge(offset, sigma, fit.arm, arc, residual, [warning], sway=sway)
 
 

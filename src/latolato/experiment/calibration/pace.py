@@ -8,7 +8,9 @@ from itertools import pairwise
 import numpy as np
 from scipy.ndimage import median_filter, uniform_filter1d
 
+from latolato.core.errors import Sentence, joined
 from latolato.experiment.calibration.swing import Motion, Swing, fit_swing, windows
+from latolato.experiment.rules import said
 
 # Factor from which a pace does not fit length and gravity: the mass of a rod makes less; and by
 # which parts of a clip differ.
@@ -28,7 +30,7 @@ _WHOLE = 0.07
 
 def pace_warnings(
     motion: Motion, swing: Swing | None, stiffness: float | None, slow_motion: float
-) -> list[str]:
+) -> list[Sentence]:
     """Warnings about the pace at which a clip plays.
 
     `stiffness` is gravity over length [1/s^2], None where it is unknown, and `slow_motion` what the
@@ -41,34 +43,32 @@ def pace_warnings(
         ratios = factors / factors.min()
         if np.max(np.abs(np.rint(ratios) / ratios - 1.0)) > _WHOLE:
             return []
-        paces = ", ".join(
-            f"{_number(factor * slow_motion)} from {begin:.2f} to {end:.2f} s"
-            for (begin, end, _), factor in zip(parts, factors, strict=True)
-        )
-        known = "" if stiffness else ", if its fastest part is at normal speed"
+
+        def listed(rule: str, scales: np.ndarray) -> Sentence:
+            texts = []
+            for (begin, end, _), factor, scale in zip(parts, factors, scales, strict=True):
+                ends = {"begin": f"{begin / scale:.2f}", "end": f"{end / scale:.2f}"}
+                texts.append(said(rule, **ends, factor=_number(factor * slow_motion)))
+            return joined(texts, ", ")
+
+        paces = listed("pace_from", np.ones(len(parts)))
+        known = "" if stiffness else said("pace_known")
         # Times of a part are divided by its own slow motion.
-        each = ", ".join(
-            f"start {begin / factor:.2f} and end {end / factor:.2f} s with slow motion "
-            f"{_number(factor * slow_motion)}"
-            for (begin, end, _), factor in zip(parts, factors, strict=True)
-        )
-        return [
-            f"the clip changes its pace (slow motion {paces}{known}): track its parts "
-            f"separately, {each}"
-        ]
+        each = listed("pace_part", factors)
+        return [said("changed_pace", paces=paces, known=known, parts=each)]
     if swing is None or not stiffness or swing.stiffness_sigma > _SURE * swing.stiffness:
         return []
     factor = math.sqrt(stiffness / swing.stiffness)
     if max(factor, 1.0 / factor) < _WRONG:
         return []
-    how = f"{_number(max(factor, 1.0 / factor))} times too {'slow' if factor > 1.0 else 'fast'}"
+    rule = "too_slow" if factor > 1.0 else "too_fast"
     pace = factor * slow_motion
-    declare = (
-        f"declare a slow motion of {_number(pace)}, or correct the length"
+    advice = (
+        said("declare_pace", factor=_number(pace))
         if _SLOWED[0] < pace < _SLOWED[1]
-        else "correct the length"
+        else said("correct_length")
     )
-    return [f"the swing is {how} for its length and gravity: {declare}"]
+    return [said(rule, factor=_number(max(factor, 1.0 / factor)), advice=advice)]
 
 
 def _number(factor: float) -> str:

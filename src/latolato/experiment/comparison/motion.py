@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_count, checked_number
 from latolato.experiment.comparison.uncertainties import (
@@ -25,6 +25,7 @@ from latolato.experiment.fits.least_squares import Data, Solution, solve
 from latolato.experiment.fits.pivots import measured_motion
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.windows import WindowedModel
+from latolato.experiment.rules import said
 from latolato.physics.drives import Drive, FixedPivot
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.start import checked_system
@@ -135,7 +136,6 @@ def compare_motion(
         )
     late = data.times >= last - (last - first) / 3.0
     followed = _followed(data, residual, 2.0 * period)
-    noise = noise_of(data.values[data.series == data.series[0]])
     numbers = {
         "residual_rms": (_rms(residual), "root mean square of the residual", "rad"),
         "residual_rms_late": (_rms(residual[late]), "the same in the last third", "rad"),
@@ -163,13 +163,14 @@ def compare_motion(
         **{name: plain((), value, text, unit) for name, (value, text, unit) in numbers.items()},
     }
     attributes = {
-        "comparison": "motion", "verdict": _verdict(numbers, first, last, noise),
+        "comparison": "motion",
         "system": systems.name_of(system),
         "system_description": json.dumps(systems.described(system)),
         "pivot": moving.words, "match": span, "source": str(table.attrs.get("source", "")),
         **{f"sigma_of_{name}": value for name, value in widths.items()},
     }  # fmt: skip
-    return xr.Dataset(variables, attrs=attributes)
+    dataset = xr.Dataset(variables, attrs=attributes)
+    return dataset.assign_attrs(verdict=str(verdict_of(dataset)))
 
 
 def phases(times: Floats, one: Floats, other: Floats, period: float) -> tuple[Floats, Floats]:
@@ -288,25 +289,21 @@ def _top(values: Floats) -> float:
     return float(np.max(np.abs(values)))
 
 
-def _verdict(
-    numbers: Mapping[str, tuple[float, str, str]], first: float, last: float, noise: float
-) -> str:
+def verdict_of(comparison: xr.Dataset) -> Sentence:
     """Return how computation and measurement compare in plain words."""
-    value = {name: each[0] for name, each in numbers.items()}
+    value = {str(name): float(one) for name, one in comparison.variables.items() if not one.dims}
+    times, series = comparison["time"].values, comparison["ball_number"].values
+    first, last = float(times.min()), float(times.max())
+    noise = noise_of(comparison["angle"].values[series == series[0]])
     one, other = (math.degrees(value[name]) for name in (LATE, f"{LATE}_computed"))
     if value["followed_until"] >= last:
-        words = (
-            f"The computed motion follows the measured one for all {last - first:.4g} s: they "
-            f"differ by {1e3 * value['residual_rms']:.3g} mrad (rms)"
-        )
-        if value["residual_rms"] > _MORE * noise > 0.0:
-            words += f", {value['residual_rms'] / noise:.2g} times the noise of the samples"
-        if math.isfinite(value["phase_rms_late"]):
-            words += f", in phase by {value['phase_rms_late']:.2g} rad in the last third"
+        off, phase = value["residual_rms"], value["phase_rms_late"]
+        follows = said(
+            "followed_whole", span=last - first, off=1e3 * off,
+            noise=said("followed_noise", ratio=off / noise) if off > _MORE * noise > 0.0 else "",
+            phase=said("followed_phase", phase=phase) if math.isfinite(phase) else "",
+        )  # fmt: skip
     else:
-        words = (
-            f"The computed motion follows the measured one until {value['followed_until']:.4g} s "
-            f"of {last:.4g} s; later they differ by {1e3 * value['residual_rms_late']:.3g} mrad "
-            "(rms)"
-        )
-    return f"{words}. The largest angle of the last third is {one:.2f}°, computed {other:.2f}°."
+        until, off = value["followed_until"], 1e3 * value["residual_rms_late"]
+        follows = said("followed_until", until=until, last=last, off=off)
+    return joined([follows, said("last_third", measured=f"{one:.2f}", computed=f"{other:.2f}")])

@@ -29,6 +29,7 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.rules import said
 
 # By how much minus twice the log likelihood must fall for a change to count, for each of the
 # parameters that may change and for its instant; see benchmarks/fit_doubt.py for what chance does.
@@ -86,14 +87,11 @@ class Cut:
 
 @dataclass(frozen=True)
 class Kind:
-    """A kind of break: which numbers of the motion it changes, and the words for it.
-
-    `words` may hold names of `changes` in braces.
-    """
+    """A kind of break: which numbers of the motion it changes, and the rule that says it."""
 
     name: str
     changed: frozenset[str]
-    words: str
+    rule: str
 
 
 def deviance(solutions: Sequence[Solution]) -> float:
@@ -387,15 +385,11 @@ def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
         noise = max(noise_of(data.values), bent, 1e-12)
         if whole.scatter <= max(_MOST_SCATTER * noise, SMALL * float(np.std(data.values))):
             return None
-        return Adequacy(
-            "The model does not describe this record: the samples scatter about it by "
-            f"{whole.scatter / noise:.2g} times their noise.",
-            "scatter",
-        )
+        return Adequacy(said("scatters", ratio=whole.scatter / noise), "scatter")
     at = float(data.times[np.flatnonzero(lost)[0]])
     off = float(np.median(np.abs(whole.residuals[lost])))
-    words = f"{100 * share:.2g} % of its samples, the first at {at:.4g} s, lie far from it"
-    for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
+    numbers = {"share": 100.0 * share, "time": at}
+    for turn, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
         if abs(off - turn) < 0.02 * turn:
-            words += f", by {name}"
-    return Adequacy(f"The model does not describe this record: {words}.", "outliers", at)
+            return Adequacy(said("turned_samples", **numbers, turn=said(name)), "outliers", at)
+    return Adequacy(said("far_samples", **numbers), "outliers", at)

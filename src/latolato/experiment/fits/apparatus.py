@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from latolato.core.errors import InputError
+from latolato.experiment.rules import broken
 from latolato.experiment.track_table import balls_of, has_own_pivots
 from latolato.physics.pendulum import GRAVITY, LatoLato, Pendulum
 
@@ -42,7 +42,7 @@ class Apparatus:
             Without a length.
         """
         if not self.length:
-            raise InputError("must be known: it is the scale of the motion", parameter="length")
+            raise broken("scale_of_motion", parameter="length")
         common: dict[str, Any] = {
             "length": self.length,
             "mass": self.some_mass,

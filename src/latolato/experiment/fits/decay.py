@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.adequacy import solutions_of
@@ -32,8 +32,8 @@ from latolato.experiment.fits.result import (
     Estimate,
     Fit,
     make_fit,
-    quantity_of,
-    size_question,
+    named,
+    size_questions,
 )
 from latolato.experiment.fits.samples import (
     check_turns,
@@ -58,6 +58,7 @@ from latolato.experiment.fits.swings import (
     swings_of,
     swings_of_turning_points,
 )
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import checked_table, has_own_pivots, table_of_ball
 from latolato.physics.pendulum import GRAVITY, Pendulum
 
@@ -200,12 +201,12 @@ def fit_decay(
             _by_equation(data, seen.first, aside, body, law, compare=compare, profile=profile)
         )
     elif method == "equation":
-        raise InputError(seen.words, way_out="use method 'envelope'")
+        raise InputError(joined(seen.words), way_out="use method 'envelope'")
     if method != "equation" and seen.swings is not None:
         equation = parts[0].estimates if parts else None
         parts.append(_by_envelope(seen.swings, seen.first, aside, body, equation, profile=profile))
     elif method == "envelope":
-        raise InputError(seen.words, way_out="use method 'equation'")
+        raise InputError(joined(seen.words), way_out="use method 'equation'")
     estimates = {name: each for part in parts for name, each in part.estimates.items()}
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
@@ -215,17 +216,18 @@ def fit_decay(
     }  # fmt: skip
     for part in parts:
         about |= part.attributes
-    verdict = " ".join(sentence for part in parts for sentence in part.sentences)
-    if method == "both" and seen.words:
-        verdict = f"{verdict} {seen.words[0].upper()}{seen.words[1:]}."
+    words = [sentence for part in parts for sentence in part.sentences]
+    if method == "both":
+        words += seen.words
     if start is None and begin > first:
-        verdict += f" It is fitted from {begin:.4g} s on, where the ball begins to swing freely."
+        words.append(said("freed", time=begin))
     if repeats:
-        verdict += f" {repeats} samples that repeat the one before were left out."
+        words.append(said("repeated_samples", count=repeats))
     adequacy = parts[0].adequacy
     return make_fit(
-        "decay", estimates, verdict, curves, about, system=body.system(estimates), adequacy=adequacy
-    )
+        "decay", estimates, joined(words), curves, about, system=body.system(estimates),
+        adequacy=adequacy,
+    )  # fmt: skip
 
 
 def _swinging(fit: Fit, apparatus: Apparatus, table: xr.Dataset) -> Pendulum:
@@ -258,7 +260,7 @@ class _Part:
     estimates: dict[str, Estimate]
     curves: dict[str, tuple[str, Any]]
     attributes: dict[str, Any]
-    sentences: list[str]
+    sentences: list[Sentence]
     adequacy: Adequacy = field(default_factory=Adequacy)
 
 
@@ -279,13 +281,11 @@ def _by_equation(
     chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
     adequacy, solution = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
     estimates = body.estimates(solution, LAWS[chosen])
-    sentences = [body.verdict(estimates, solution, chosen)]
+    sentences = body.verdict(estimates, solution, chosen)
     if compare:
-        sentences.append(_law_verdict(laws, chosen))
+        sentences += _law_verdict(laws, chosen)
     if chosen != law:
-        sentences.append(
-            f"The fit with {law} drag did not converge: these are the numbers for {chosen} drag."
-        )
+        sentences.append(said("lost_law", law=law, chosen=chosen))
     curves: dict[str, tuple[str, Any]] = {}
     if laws:
         curves |= {
@@ -325,9 +325,9 @@ def _by_envelope(
     except InputError as error:
         if equation is None:
             raise
-        few = f"{len(swings.times)} turning points are too few for an envelope."
+        few = said("envelope_short", count=len(swings.times))
         lost = isinstance(error, ConvergenceError)
-        return _Part({}, {}, {}, ["The fit of the envelope did not converge." if lost else few])
+        return _Part({}, {}, {}, [said("envelope_lost") if lost else few])
     equation = equation or {}
     estimates = body.envelope(solution, equation.get("length"), first)
     curves: dict[str, tuple[str, Any]] = {
@@ -342,11 +342,7 @@ def _by_envelope(
 def _check_rest(piece: xr.Dataset, length: float) -> None:
     """Raise InputError if the pivot moves."""
     if is_driven(piece, length):
-        raise InputError(
-            f"the pivot moves by {1e3 * pivot_swing(piece):.3g} mm either way: a decay "
-            "needs a pivot at rest",
-            way_out="use fit_model, or set start and end to a part where it is at rest",
-        )
+        raise broken("moving_pivot", {"size": 1e3 * pivot_swing(piece)})
 
 
 @dataclass(frozen=True)
@@ -361,14 +357,14 @@ class _Seen:
         Turning points, None where too few samples show them.
     has_motion : bool
         Whether there are samples between turning points.
-    words : str
-        Why there are no turning points, or no motion; "" where there are both.
+    words : list of Sentence
+        Why there are no turning points, or no motion; empty where there are both.
     """
 
     first: dict[str, float]
     swings: Swings | None
     has_motion: bool = True
-    words: str = ""
+    words: list[Sentence] = field(default_factory=list)
 
 
 def _release(data: Data) -> float:
@@ -386,22 +382,14 @@ def _release(data: Data) -> float:
         jump = largest_jump(data)
         if jump is None:
             raise
-        raise InputError(
-            f"the angle jumps by {abs(jump[1]):.3g} rad at {jump[0]:.4g} s: the camera or the film "
-            "changes there",
-            way_out="give end, or start, to use one part",
-        ) from None
+        raise broken("jumping_angle", {"jump": abs(jump[1]), "time": jump[0]}) from None
 
 
 def _check_reach(data: Data) -> None:
     """Raise InputError if an angle goes further than a swing does."""
     reach = float(np.max(np.abs(data.values - np.median(data.values))))
     if reach > _HALF_TURN:
-        raise InputError(
-            f"the angle reaches {reach:.3g} rad on one side, more than half a turn, which no free "
-            "swing does: are the angles in degrees? If not, set start to the time when it begins "
-            "to swing"
-        )
+        raise broken("beyond_half_turn", {"reach": reach})
 
 
 def _seen(data: Data) -> _Seen:
@@ -417,19 +405,17 @@ def _seen(data: Data) -> _Seen:
         swings = swings_of_turning_points(data.times, data.values)
         return _Seen(
             _first_guess(data, swings), swings, has_motion=False,
-            words="the samples are turning points only, and the equation needs those between them",
+            words=[said("only_turning_points")],
         )  # fmt: skip
     count = samples_per_swing(data.times, data.values)
     if count < SPARSE:
         drags = {"linear": 0.02, "quadratic": 0.02, "coulomb": 0.02}
         first = guess_of(data[: 8 * SPARSE], drags)
-        words = f"{count:.2g} samples in a swing are too few to see its turning points"
+        words = [said("few_in_swing", count=count)]
         if count < _ALIASED:
             pause = float(np.median(np.diff(data.times)))
             fast = pause / (1.0 - 1.0 / count)
-            words += (
-                f". At one sample every {pause:.3g} s a period of {fast:.3g} s would look the same"
-            )
+            words.append(said("same_look", pause=pause, period=fast))
         return _Seen(first, None, words=words)
     swings = swings_of(data.times, data.values - middle)
     swings = Swings(swings.times, swings.angles + middle, swings.sigmas, swings.halves)
@@ -527,9 +513,7 @@ def _converged(
                 profiles = [*terms, "natural_frequency"]
                 best = fit_equation(data, best.values, terms, aside, profiles=profiles)
             return name, best, alone
-    raise ConvergenceError(
-        f"the fit with {law} drag did not converge", way_out="use another part of the record"
-    )
+    raise broken("lost_fit", {"law": law}, kind=ConvergenceError)
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
@@ -599,106 +583,113 @@ class _Body:
             estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
         return estimates
 
-    def drag_words(self, estimates: Mapping[str, Estimate], law: str) -> list[str]:
+    def drag_words(self, estimates: Mapping[str, Estimate], law: str) -> list[Sentence]:
         """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
         rate = estimates.get("decay_rate")
         if law != "linear" or rate is None:
-            return [f"{quantity_of(n).long_name} {estimates[n]}" for n in COEFFICIENTS.values()
-                    if n in estimates]  # fmt: skip
+            return [named(n, estimates[n]) for n in COEFFICIENTS.values() if n in estimates]
         if rate.value < -_SURE * rate.sigma:
-            return [f"a swing that grows by {rate.scaled(-1.0, '1/s')}"]
+            return [said("growing_swing", rate=str(rate.scaled(-1.0, "1/s")))]
         if rate.value < _SURE * rate.sigma:
             limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
-            words = f"no drag within its error (decay rate below {limit:.2g} 1/s"
-            if "damping" in estimates:
-                ratio = estimates["damping"].sigma / rate.sigma
-                words += f", C below {limit * ratio:.2g} kg m/s"
-            return [f"{words})"]
-        parts = [f"decay rate {rate}"]
-        return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
+            if "damping" not in estimates:
+                return [said("no_drag", rate=limit)]
+            ratio = estimates["damping"].sigma / rate.sigma
+            return [said("no_damping", rate=limit, damping=limit * ratio)]
+        parts = [said("decay_rate_is", rate=str(rate))]
+        if "damping" in estimates:
+            parts.insert(0, joined([f"C = {estimates['damping']}"]))
+        return parts
 
     def _centre(self, length: Estimate) -> Estimate:
         """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
         assert self.radius is not None
         bulk = 1.6 * self.radius**2
         if length.value**2 <= bulk:
-            raise InputError(
-                f"must be less than the length {length.value:.4g} m from the dynamics",
-                parameter="radius",
-                value=self.radius,
+            raise broken(
+                "large_radius", {"length": length.value}, parameter="radius", value=self.radius
             )
         centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
         return length.scaled(centre / length.value, "m")
 
-    def verdict(self, estimates: Mapping[str, Estimate], solution: Solution, law: str) -> str:
+    def verdict(
+        self, estimates: Mapping[str, Estimate], solution: Solution, law: str
+    ) -> list[Sentence]:
         """Return the result of the equation in plain words."""
-        parts = [f"a period of {estimates['period']} for small swings"]
-        parts += self.drag_words(estimates, law)
-        parts.append(
-            f"length from the dynamics {estimates['length']} "
-            f"(of a point, with g = {self.gravity:g} m/s^2 taken as exact)"
-        )
-        words = f"With {law} drag the equation gives {', '.join(parts)}."
+        length = estimates["length"]
+        numbers = [
+            said("small_period", period=str(estimates["period"])),
+            *self.drag_words(estimates, law),
+            said("dynamic_length", length=str(length), gravity=self.gravity),
+        ]
+        words = [said("equation_gives", law=law, numbers=joined(numbers, ", "))]
         if self.length is not None:
-            away = estimates["length"].value / self.length - 1.0
-            limit = max(3.0 * estimates["length"].sigma / self.length, 0.003)
+            away = length.value / self.length - 1.0
+            limit = max(3.0 * length.sigma / self.length, 0.003)
             if abs(away) > limit:
-                share = f"{abs(100 * away):.2g} % {'less' if away > 0 else 'more'} than"
-                if not -0.5 < away < 1.0:
-                    share = f"{1.0 / (1.0 + away):.2g} times what"
-                words += (
-                    f" The declared length {self.length:g} m is {share} the dynamics give: check "
-                    "the length, gravity, the clock (frame rate, slow motion), or the mass of the "
-                    "rod."
+                share = said(
+                    "percent_less" if away > 0 else "percent_more", percent=abs(100.0 * away)
                 )
-        words += size_question("length", estimates["length"].value)
+                if not -0.5 < away < 1.0:
+                    share = said("times_what", ratio=1.0 / (1.0 + away))
+                words.append(said("declared_length", length=self.length, share=share))
+        words += size_questions(estimates, "length")
         if (~solution.kept).any():
-            words += f" {int((~solution.kept).sum())} outliers were left out."
+            words.append(said("outliers", count=int((~solution.kept).sum())))
         return words
 
 
-def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
+def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> list[Sentence]:
     """Return which drag law a comparison prefers, and whether the chosen one is doubtful."""
     if not laws:
-        return f"The {len(LAWS)} drag laws could not be compared: none of their fits converged."
+        return [said("no_law", count=len(LAWS))]
     lost = [name for name in LAWS if name not in laws]
     order = sorted(laws, key=lambda name: laws[name].bayes)
     best = order[0]
     ahead = {name: laws[name].bayes - laws[best].bayes for name in order[1:]}
     near = [name for name, gap in ahead.items() if gap < _WEAK]
     clear = [name for name, gap in ahead.items() if gap >= _STRONG]
+    *others, last = [n for n in COEFFICIENTS if n in clear] or [""]
+    excluded: str = said("excluded_law", law=last) if last else ""
+    if others:
+        excluded = said("excluded_laws", laws=", ".join(others), last=last)
     if not ahead:
-        words = f"{best} drag alone was fitted"
+        words = [said("only_law", law=best.capitalize(), excluded=excluded)]
     elif near:
-        words = f"{', '.join([best, *near[:-1]])} and {near[-1]} drag cannot be told apart"
+        alike = ", ".join([best.capitalize(), *near[:-1]])
+        words = [said("alike_laws", laws=alike, last=near[-1], excluded=excluded)]
     else:
         rival = order[1]
-        words = f"{best} drag describes this decay best (BIC {ahead[rival]:.3g} ahead of {rival})"
-    singles = [n for n in COEFFICIENTS if n in clear]
-    if singles:
-        words += f"; {' or '.join(singles)} drag alone is excluded"
+        words = [
+            said(
+                "best_law",
+                law=best.capitalize(),
+                ahead=ahead[rival],
+                rival=rival,
+                excluded=excluded,
+            )
+        ]
     if chosen in clear:
-        words += f". Do not trust the numbers of {chosen} drag then: use law 'best'"
+        words.append(said("excluded_choice", law=chosen))
     if lost:
-        are = "is" if len(lost) == 1 else "are"
-        words += (
-            f". Of the {len(LAWS)} drag laws tried, {', '.join(lost)} {are} not compared: "
-            f"{'its fit' if len(lost) == 1 else 'their fits'} did not converge"
-        )
-    return f"{words[0].upper()}{words[1:]}."
+        rule = "law_not_compared" if len(lost) == 1 else "laws_not_compared"
+        words.append(said(rule, count=len(LAWS), laws=", ".join(lost)))
+    return words
 
 
-def _envelope_verdict(estimates: Mapping[str, Estimate]) -> str:
+def _envelope_verdict(estimates: Mapping[str, Estimate]) -> Sentence:
     """A sentence with the envelope's decay rate, and whether it agrees with the equation."""
     envelope = estimates["decay_rate_envelope"]
-    words = f"The envelope gives a decay rate of {envelope}"
-    if "damping_envelope" in estimates:
-        words += f", C = {estimates['damping_envelope']}"
+    damping = estimates.get("damping_envelope")
+    comparison: str = ""
     if "decay_rate" in estimates and envelope.sigma > abs(envelope.value):
-        words += ", which is too uncertain to compare"
+        comparison = said("envelope_unsure")
     elif "decay_rate" in estimates:
         gap = abs(envelope.value - estimates["decay_rate"].value)
         both = math.hypot(envelope.sigma, estimates["decay_rate"].sigma)
         agree = gap <= 3.0 * both + _ROUGH * abs(envelope.value)
-        words += f", which {'agrees' if agree else 'does not agree'} with the equation"
-    return f"{words}."
+        comparison = said("envelope_agrees" if agree else "envelope_differs")
+    return said(
+        "envelope_gives", rate=str(envelope), damping=f", C = {damping}" if damping else "",
+        comparison=comparison,
+    )  # fmt: skip

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.experiment.fits.adequacy import (
@@ -36,7 +36,7 @@ from latolato.experiment.fits.least_squares import (
     solve,
 )
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, size_question
+from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, size_questions
 from latolato.experiment.fits.samples import (
     is_driven,
     noise_of,
@@ -47,6 +47,7 @@ from latolato.experiment.fits.samples import (
 )
 from latolato.experiment.fits.swings import crossings
 from latolato.experiment.quality import fitted_harmonic
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Chirp, CrankSlider, FrequencySchedule, Harmonic
 from latolato.physics.drives.base import Drive
@@ -78,28 +79,11 @@ _FAST_SAMPLES, _FASTEST, _FAST = 400, 4.0, 0.5
 # Periods on either side of a break.
 _SHORTEST = 2.0
 _KINDS = [
-    Kind(
-        "phase jump",
-        frozenset({"phase"}),
-        "its phase jumps ahead by {share:.2g} of a period there: a piece of the clock is missing, "
-        "or two films were joined",
-    ),
-    Kind(
-        "change of pace",
-        frozenset({"frequency"}),
-        "its frequency changes there by {pace}: another speed, or another pace of the film",
-    ),
-    Kind(
-        "change of amplitude",
-        frozenset({"amplitude"}),
-        "its amplitude changes there from {size_before:.3g} to {size_after:.3g} mm",
-    ),
-    Kind("shifted height", frozenset({"offset"}), "its middle shifts there by {offset:.3g} mm"),
-    Kind(
-        "another motion",
-        frozenset({"amplitude", "frequency", "phase", "offset"}),
-        "another motion begins there: two films were joined, or the drive was changed",
-    ),
+    Kind("phase jump", frozenset({"phase"}), "drive_phase_jump"),
+    Kind("change of pace", frozenset({"frequency"}), "drive_pace"),
+    Kind("change of amplitude", frozenset({"amplitude"}), "drive_size"),
+    Kind("shifted height", frozenset({"offset"}), "drive_shift"),
+    Kind("another motion", frozenset({"amplitude", "frequency", "phase", "offset"}), "drive_other"),
 ]
 # Drifts over the record below these shares are of no account, however surely they are seen.
 _AMPLITUDE_DRIFT, _FREQUENCY_DRIFT = 5e-3, 2e-4
@@ -188,25 +172,22 @@ def fit_drive(
     adequacy = _doubt(data, shape, solution, origin, least)
     estimates = _estimates(solution, shape, origin) | drift
     overtones, overtone_sigma = _overtones(data, shape, solution, least)
-    drive, drive_words = _drive(solution, shape, overtones[0], overtone_sigma)
+    drive, overtone_words = _drive(solution, shape, overtones[0], overtone_sigma)
+    words = [*_main_words(estimates, solution, shape, origin), *overtone_words]
     across = across_of(table, data.times, origin, shape, solution, least)
     if across is not None:
         drive, more = with_across(drive, across)
-        drive_words += f" {more}"
+        words.append(more)
         estimates |= {
             "horizontal_amplitude": across.amplitude, "horizontal_phase": across.phase
         }  # fmt: skip
-    words = [_main_words(estimates, solution, shape, origin), drive_words]
     if not is_steady:
-        span = float(np.ptp(data.times))
-        words.append(
-            f"It is not steady: over {span:.3g} s {' and '.join(_changes(data, solution))}."
-        )
+        changes = _changes(data, solution)
+        which = "both" if len(changes) > 1 else next(iter(changes))
+        words.append(said(f"unsteady_{which}", span=float(np.ptp(data.times)), **changes))
     elif drift:
-        words.append("It is steady.")
-    words.append(
-        f"The uncertainty of the amplitude does not include that of {_scale_words(table)}."
-    )
+        words.append(said("steady_drive"))
+    words.append(_scale_words(table))
     if even is not None:
         words.append(_alias_words(solution.values["drive_frequency"] / math.tau, even))
     curves = {
@@ -236,7 +217,7 @@ def fit_drive(
         "origin": origin, "samples": len(data), "stages": shape.stages, **solution.quality,
         "source": table.attrs.get("source"),
     }  # fmt: skip
-    return make_fit("drive", estimates, " ".join(words), curves, about, drive, adequacy=adequacy)
+    return make_fit("drive", estimates, joined(words), curves, about, drive, adequacy=adequacy)
 
 
 fits.register("drive")(
@@ -266,7 +247,7 @@ def _samples(
     time, height = table["time"].values, table["pivot_y"].values
     good = np.isfinite(height) & within(time, start, end)
     if good.sum() < 16:
-        raise InputError(f"the pivot is known in {good.sum()} samples, but a fit needs at least 16")
+        raise broken("few_pivots", {"count": good.sum()})
     time, height = time[good] - origin, height[good]
     seen, _ = without_repeats(one_series(time, height))
     if len(seen) >= 16:
@@ -277,18 +258,12 @@ def _samples(
     noise = noise_of(height)
     if noise > 0.5 * (high - low):  # more than any noise scatters beside its own range
         pause = float(np.median(np.diff(time)))
-        raise InputError(
-            f"the pivot's height changes by {1e3 * noise:.3g} mm between samples {pause:.3g} s "
-            "apart: it moves too fast for them",
-            way_out="film more frames a second",
-        )
+        raise broken("fast_pivot", {"noise": 1e3 * noise, "pause": pause})
     if high == low or 0.5 * (high - low) < _CLEAR * noise:
         raise _without_height(table.isel(frame=good), 0.5 * float(high - low), noise)
     zeros = crossings(time, height - 0.5 * (low + high))
     if len(zeros) < 6:
-        raise InputError(
-            f"the pivot passes its middle {len(zeros)} times: a drive needs at least 3 periods"
-        )
+        raise broken("few_passages", {"count": len(zeros)})
     chosen = (time >= zeros[0]) & (time <= zeros[-1])
     return one_series(time[chosen], height[chosen]), zeros
 
@@ -308,29 +283,22 @@ def _fastest(time: Floats) -> float:
     return _FASTEST * math.pi / float(np.median(np.diff(time)))
 
 
-def _scale_words(table: xr.Dataset) -> str:
-    """Return the scale and how uncertain it is, if that is known, in words."""
+def _scale_words(table: xr.Dataset) -> Sentence:
+    """Return a sentence on the scale, and how uncertain it is, if that is known."""
     sigma = float(table.attrs.get("metres_per_pixel_sigma", 0.0))
     share = 100.0 * sigma / float(table.attrs.get("metres_per_pixel", 1.0))
-    return f"the scale{f' ({share:.1g} %)' if share else ''}, which all heights share"
+    return said("scale_share_apart", percent=share) if share else said("scale_apart")
 
 
 def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError:
     """Return the error of a pivot that does not move upwards: it rests, or moves sideways only."""
     up, scatter, length = 1e3 * reach, 1e3 * noise, float(piece.attrs.get("length") or 0.0)
     if "pivot_x" in piece.variables and is_driven(piece, length, "pivot_x"):
-        return InputError(
-            f"the pivot moves only sideways, by {1e3 * pivot_swing(piece, 'pivot_x'):.3g} mm "
-            f"either way: a drive is fitted to its height, which changes by {up:.3g} mm, its track "
-            f"scatters by {scatter:.3g} mm",
-            way_out="use fit_model, which follows the pivot's track, or MeasuredPivot",
-        )
+        size = 1e3 * pivot_swing(piece, "pivot_x")
+        return broken("sideways_pivot", {"size": size, "up": up, "scatter": scatter})
     if reach == noise == 0.0:
-        return InputError("the pivot is at rest: its height is the same in all frames")
-    return InputError(
-        f"the pivot is at rest: it moves by {up:.3g} mm either way, and its track "
-        f"scatters by {scatter:.3g} mm"
-    )
+        return broken("constant_pivot")
+    return broken("resting_pivot", {"up": up, "scatter": scatter})
 
 
 def _chosen(
@@ -385,7 +353,7 @@ def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
     """
     if zeros is None:
         if shape.times:
-            raise InputError("a drive faster than half the rate of the samples has no stages")
+            raise broken("fast_stages")
         few = slice(0, _FAST_SAMPLES)
         fast = _harmonic_guess(data.times[few], data.values[few], _fastest(data.times))
         return _fit(data, shape, fast)
@@ -395,7 +363,7 @@ def _plain(data: Data, zeros: Floats | None, shape: Shape) -> Solution:
         starts += [harmonic, *_over_gap(data, harmonic)]
     tries = solutions_of(partial(_fit, data, shape), starts)
     if not tries:
-        raise ConvergenceError("no drive of this shape describes the pivot's height")
+        raise broken("no_shape", kind=ConvergenceError)
     return tries[0]
 
 
@@ -506,30 +474,27 @@ def _overtones(
 
 def _drive(
     solution: Solution, shape: Shape, second: complex, second_sigma: float
-) -> tuple[Drive, str]:
-    """Return the drive object, and a sentence on its second harmonic [m]."""
+) -> tuple[Drive, list[Sentence]]:
+    """Return the drive object, and sentences on its second harmonic [m]."""
     p = solution.values
     amplitude, phase = p["drive_amplitude"], math.remainder(p["drive_phase"], math.tau)
     share, q = 100.0 * abs(second) / amplitude, p.get("crank_ratio")
     if q is not None:
-        words = (
-            f"The second harmonic ({share:.2g} % of the amplitude) matches a crank with "
-            f"A0/L = {abs(q):.3g} ± {solution.sigma('crank_ratio'):.1g} and its guide "
-            f"{'above' if q > 0.0 else 'below'}."
-        )
+        ratio = f"{abs(q):.3g} ± {solution.sigma('crank_ratio'):.1g}"
+        words = [said("crank_above" if q > 0.0 else "crank_below", share=share, ratio=ratio)]
     elif abs(second) > 4.0 * second_sigma:
-        words = f"A second harmonic of {share:.2g} % of the amplitude does not match a crank."
+        words = [said("no_crank", share=share)]
     else:
-        words = f"No second harmonic was detected (below {400 * second_sigma / amplitude:.2g} %)."
+        words = [said("no_harmonic", share=400.0 * second_sigma / amplitude)]
     if q is not None and abs(second.imag) > max(4.0 * second_sigma, abs(second.real)):
-        words += " It is not in phase, so a crank alone does not explain it."
+        words.append(said("out_of_phase"))
     if shape.stages > 1:
         first: Any = {"drive_amplitude": amplitude, "drive_phase": phase}
         times = [0.0, *(p[name] for name in shape.times)]
         rates = [p[name] for name in shape.frequencies]
         ramp = min(max(p.get("ramp", 0.0), 0.0), float(np.min(np.diff(times))))
         if q is not None:
-            words += " The schedule of frequencies omits it."
+            words.append(said("omitted_harmonic"))
         drive: Drive = FrequencySchedule(times=times, drive_frequencies=rates, ramp=ramp, **first)
         return drive, words
     rate, middle = p.get("frequency_drift", 0.0), shape.middle
@@ -557,20 +522,25 @@ def _drive(
 
 def _main_words(
     estimates: Mapping[str, Estimate], solution: Solution, shape: Shape, origin: float
-) -> str:
+) -> list[Sentence]:
     """Return amplitude and frequencies in plain words."""
-    turns = 1.0 / math.tau
-    words = f"The pivot moves with A0 = {estimates['drive_amplitude'].scaled(1e3, 'mm')} at "
-    words += f"{estimates['drive_frequency']} ({estimates['drive_frequency'].scaled(turns, 'Hz')})"
-    for name, before in zip(shape.frequencies[1:], shape.times, strict=True):
-        rate, instant = solution.estimate(name, "rad/s"), solution.estimate(before, "s")
-        instant = instant.shifted(origin)
-        words += f", from {instant} at {rate} ({rate.scaled(turns, 'Hz')})"
-    if "ramp" in estimates:
-        words += f", each reached within {estimates['ramp']}"
-    sizes = ("drive_amplitude", "drive_frequency")
-    words += "." + "".join(size_question(name, estimates[name].value) for name in sizes)
-    return words
+
+    def at(rate: Estimate) -> dict[str, str]:
+        return {"rate": str(rate), "turns": str(rate.scaled(1.0 / math.tau, "Hz"))}
+
+    later = [
+        said(
+            "drive_stage",
+            time=str(solution.estimate(before, "s").shifted(origin)),
+            **at(solution.estimate(name, "rad/s")),
+        )
+        for name, before in zip(shape.frequencies[1:], shape.times, strict=True)
+    ]
+    ramp = said("drive_ramp", ramp=str(estimates["ramp"])) if "ramp" in estimates else ""
+    amplitude = str(estimates["drive_amplitude"].scaled(1e3, "mm"))
+    rates = at(estimates["drive_frequency"])
+    moves = said("drive_moves", amplitude=amplitude, **rates, later=joined(later, ""), ramp=ramp)
+    return [moves, *size_questions(estimates, "drive_amplitude", "drive_frequency")]
 
 
 def _rate_of(times: Floats) -> float | None:
@@ -581,21 +551,17 @@ def _rate_of(times: Floats) -> float | None:
     return 1.0 / pause if float(np.std(near)) < _UNEVEN * pause else None
 
 
-def _alias_words(rate: float, even: float) -> str:
+def _alias_words(rate: float, even: float) -> Sentence:
     """Return which other frequencies [Hz] would look the same at an even rate of samples [Hz]."""
-    others = f"{even - rate:.4g}, {even + rate:.4g} or {2.0 * even - rate:.4g} Hz"
-    return f"At {even:.4g} evenly spaced frames a second, a pivot at {others} would look the same."
+    others = {"one": even - rate, "other": even + rate, "third": 2.0 * even - rate}
+    return said("drive_same_look", rate=even, **others)
 
 
 def _check_cycles(solution: Solution, duration: float) -> None:
     """Raise InputError unless there are two cycles, of a frequency that is known."""
     rate = solution.values["drive_frequency"]
     if abs(rate) * duration < 2.0 * math.tau or solution.sigma("drive_frequency") > abs(rate):
-        raise InputError(
-            f"the pivot moves through {abs(rate) * duration / math.tau:.2g} cycles in this record: "
-            "a drive needs at least 2",
-            way_out="use a longer record",
-        )
+        raise broken("few_cycles", {"count": abs(rate) * duration / math.tau})
 
 
 def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: float) -> Adequacy:
@@ -614,16 +580,17 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
         return _fit(part, simple, guesses)
 
     noise = max(noise_of(data.values), 1e-300)
-    start = (
-        f"A drive of {'one frequency' if shape.stages == 1 else f'{shape.stages} stages'} does not "
-        f"describe the pivot's motion (scatter {solution.scatter / noise:.2g} times the noise of "
-        "the samples): it fails from {:.4g} s on"
-    )
+    rule = "broken_harmonic" if shape.stages == 1 else "broken_drive"
+    ratio = solution.scatter / noise
+
+    def doubt(at: float, reason: str) -> Sentence:
+        return said(rule, stages=shape.stages, ratio=ratio, time=at, reason=reason)
+
     try:
         cut = cut_at(data, solution, place, fit_part, shortest)
     except InputError:
         at = origin + float(data.times[place])
-        return Adequacy(f"{start.format(at)}.", "unknown", at)
+        return Adequacy(doubt(at, ""), "unknown", at)
     at = origin + cut.instant
     one, other, off, covariance = changes(cut, _portrait)
     kind = min(_KINDS, key=lambda each: misfit_of(each, off, covariance))
@@ -634,8 +601,8 @@ def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: f
         "size_after": 1e3 * math.exp(other["amplitude"]),
         "offset": 1e3 * off["offset"],
     }
-    words = f"{start.format(at)}, and it looks as if {kind.words.format(**numbers)}."
-    return Adequacy(words, kind.name, at)
+    reason = said("looks_as_if", reason=said(kind.rule, **numbers))
+    return Adequacy(doubt(at, reason), kind.name, at)
 
 
 def _portrait(_: Solution, p: Mapping[str, float], instant: float) -> dict[str, float]:
@@ -648,12 +615,12 @@ def _portrait(_: Solution, p: Mapping[str, float], instant: float) -> dict[str, 
     }
 
 
-def _changes(data: Data, solution: Solution) -> list[str]:
-    """Phrases about an amplitude or a frequency that changes over the record."""
-    parts = []
+def _changes(data: Data, solution: Solution) -> dict[str, float]:
+    """Return by how much an amplitude or a frequency changes over the record, in per cent."""
+    parts = {}
     for name, limit in (("amplitude", _AMPLITUDE_DRIFT), ("frequency", _FREQUENCY_DRIFT)):
         change, sigma = solution.values[f"{name}_drift"], solution.sigma(f"{name}_drift")
         share = change * float(np.ptp(data.times)) / solution.values[f"drive_{name}"]
         if abs(change) > 4.0 * sigma and abs(share) > limit:
-            parts.append(f"its {name} changes by {100 * share:.2g} %")
+            parts[name] = 100.0 * share
     return parts

@@ -8,9 +8,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.errors import Sentence
 from latolato.experiment.fits.drive_shape import Shape
 from latolato.experiment.fits.least_squares import Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.result import TWO_SIDED, Estimate
+from latolato.experiment.rules import said
 from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic, drives
 
 if TYPE_CHECKING:
@@ -127,16 +129,16 @@ def _phase_sigma(shape: Shape, solution: Solution, times: Floats) -> float:
     return math.sqrt(max(float(slopes @ solution.covariance @ slopes), 0.0))
 
 
-def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
+def with_across(drive: Drive, across: Across) -> tuple[Drive, Sentence]:
     """Return a drive with the horizontal motion if it can have one, and a sentence on that."""
-    size = across.amplitude.scaled(1e3, "mm")
+    size = str(across.amplitude.scaled(1e3, "mm"))
     if not across.is_seen:
-        return drive, f"No horizontal motion was detected ({size})."
-    lead = across.lead.scaled(math.copysign(1.0, across.lead.value), "rad")
-    order = "ahead of" if across.lead.value > 0.0 else "behind"
-    words = f"Horizontally it moves with {size}, {lead} {order} the height"
+        return drive, said("no_horizontal", size=size)
+    lead = str(across.lead.scaled(math.copysign(1.0, across.lead.value), "rad"))
+    rule = "horizontal_ahead" if across.lead.value > 0.0 else "horizontal_behind"
     if not isinstance(drive, Harmonic):
-        return drive, f"{words}, which the drive {drives.name_of(drive)} leaves out."
+        left = said("left_out_by", drive=drives.name_of(drive))
+        return drive, said(rule, size=size, lead=lead, left=left)
     planar = PlanarHarmonic(
         vertical_amplitude=drive.drive_amplitude,
         horizontal_amplitude=across.amplitude.value,
@@ -144,7 +146,7 @@ def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:
         vertical_phase=drive.drive_phase,
         horizontal_phase=across.phase.value,
     )
-    return planar, f"{words}."
+    return planar, said(rule, size=size, lead=lead, left="")
 
 
 def vertical_part(drive: Drive) -> Drive:

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Data, Floats, Guess
+from latolato.experiment.rules import broken
 
 
 @dataclass(frozen=True)
@@ -106,6 +106,6 @@ def _breaks(zeros: Floats, phases: Floats, stages: int) -> list[float]:
             coefficients, *_ = np.linalg.lstsq(design, phases, rcond=None)
             best = min(best, (float(np.sum((phases - design @ coefficients) ** 2)), float(place)))
         if best[0] == math.inf:
-            raise InputError(f"the drive is too short for {stages} stages")
+            raise broken("short_drive", {"count": stages})
         breaks = sorted([*breaks, best[1]])
     return breaks

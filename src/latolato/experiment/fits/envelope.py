@@ -8,10 +8,10 @@ from functools import lru_cache
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.sight import Sight, drop_of
 from latolato.experiment.fits.swings import Swings
+from latolato.experiment.rules import broken
 
 _GRID = 4096
 
@@ -72,11 +72,7 @@ def fit_envelope(
         For fewer than six turning points.
     """
     if len(swings.times) < 6:
-        raise InputError(
-            "an envelope needs at least 6 turning points",
-            value=len(swings.times),
-            way_out="use a longer part or method 'equation'",
-        )
+        raise broken("few_turning_points", value=len(swings.times))
     times = swings.times - swings.times[0]
     signs = np.sign(swings.angles - offset)
     sigmas = np.maximum(swings.sigmas, 1e-9)

@@ -21,6 +21,7 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, import_extra
 from latolato.experiment.fits.result import Estimate
+from latolato.experiment.rules import broken
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
@@ -42,7 +43,6 @@ _ROUNDING, _TAKES_PART = 1e-12, 0.1
 _LISTED = 4
 _ROUNDS = 2
 # What may help a fit that fails.
-_LESS = "fit fewer parameters, or use another part"
 
 
 class ConvergenceError(InputError):
@@ -251,10 +251,8 @@ def solve(
     # What is believed beforehand needs no samples: a prior is one more of them.
     loose = sum(math.isinf(guess.prior) for guess in guesses.values())
     if len(data) < 2 * loose:
-        raise InputError(
-            f"{len(data)} samples are too few to fit {listed(names)}",
-            way_out=f"use a longer part, of {2 * loose} samples or more",
-        )
+        told = {"count": len(data), "names": listed(names), "least": 2 * loose}
+        raise broken("few_samples", told)
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
         parameters.add(name, guess.value, min=guess.low, max=guess.high)
@@ -269,11 +267,9 @@ def solve(
         if turn == 1:
             cleaned = _without_outliers(residuals / data.sigmas)
             if cleaned.sum() < 2 * loose:
-                raise ConvergenceError(
-                    f"the fit of {listed(names)} follows only {cleaned.sum()} of {len(data)} "
-                    "samples",
-                    way_out=_LESS,
-                )
+                counts = {"count": int(cleaned.sum()), "total": len(data)}
+                told = {"names": listed(names), **counts}
+                raise broken("follows_few", told, kind=ConvergenceError)
             if np.array_equal(cleaned, mask):
                 continue
             mask = cleaned
@@ -390,14 +386,11 @@ def _minimized(minimizer: Any, limit: int) -> Any:
         try:
             result = minimizer.minimize(method="leastsq", max_nfev=limit)
         except ValueError as error:  # a trial that the model refuses, or has no value for
-            raise ConvergenceError(
-                f"the fit of {names} left the range of its model", way_out=_LESS
-            ) from error
+            raise broken("left_range", {"names": names}, kind=ConvergenceError) from error
     # lmfit's own words of such an end are about tolerances, which is misleading.
     if result.aborted or not result.success:
-        raise ConvergenceError(
-            f"the fit of {names} did not converge in {result.nfev} trials", way_out=_LESS
-        )
+        values = {"names": names, "count": result.nfev}
+        raise broken("many_trials", values, kind=ConvergenceError)
     return result
 
 
@@ -500,12 +493,8 @@ def _covariance(
             for name, share in zip(names, directions[:, 0], strict=True)
             if abs(share) > _TAKES_PART
         ]
-        raise ConvergenceError(
-            f"the samples do not tell {' and '.join(open_ones)} apart"
-            if len(open_ones) > 1
-            else f"the samples do not depend on {open_ones[0]}",
-            way_out="fit fewer parameters, or use another part",
-        )
+        rule = "not_told_apart" if len(open_ones) > 1 else "does_not_depend"
+        raise broken(rule, {"names": " and ".join(open_ones)}, kind=ConvergenceError)
     inverse = (directions / sizes) @ directions.T
     plain = spread * inverse
     moments = unit * errors[:, None]

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
@@ -25,10 +25,11 @@ from latolato.experiment.fits.least_squares import (
 )
 from latolato.experiment.fits.pivots import Pivot, measured_motion
 from latolato.experiment.fits.registry import FitKind, fits
-from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, quantity_of
+from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit, named, quantity_of
 from latolato.experiment.fits.samples import is_mirrored
 from latolato.experiment.fits.sight import ABOVE, BENT, SMEAR_ABOVE, pivot_doubt, sight_guesses
 from latolato.experiment.fits.windows import Laws, WindowedModel, window_starts
+from latolato.experiment.rules import said
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, drives
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.vary import replaced
@@ -432,12 +433,7 @@ def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
         place = place_of_change(data, whole, _SHORTEST * found.period)
         if place is not None:
             at = float(data.times[place])
-            return Adequacy(
-                f"The model does not describe this record: it fails from {at:.4g} s on, where "
-                "other numbers describe it better.",
-                "change",
-                at,
-            )
+            return Adequacy(said("changed_model", time=at), "change", at)
     return few or Adequacy()
 
 
@@ -446,12 +442,8 @@ def _prior_doubt(found: Described) -> Adequacy | None:
     for name, times in found.solution.contradicted.items():
         if name in found.names:
             own = replace(found.solution.own[name], unit=quantity_of(name).unit)
-            return Adequacy(
-                f"The samples contradict the prior of {name}: they alone give {own}, "
-                f"{abs(times):.2g} standard deviations from the value that was given.",
-                "prior",
-                is_in_record=False,
-            )
+            doubt = said("contradicted_prior", name=name, value=str(own), times=abs(times))
+            return Adequacy(doubt, "prior", is_in_record=False)
     return None
 
 
@@ -461,21 +453,18 @@ def _verdict(
     model: WindowedModel,
     lost: int,
     unknown: int,
-) -> str:
+) -> Sentence:
     """Return the result in plain words, and which fits did not converge."""
-    values = ", ".join(f"{quantity_of(n).long_name} {e}" for n, e in estimates.items())
-    count = len(model.windows)
-    words = f"{values[0].upper()}{values[1:]}; the angle is described to "
-    words += f"{1e3 * solution.scatter:.3g} mrad"
-    words += " in one piece." if count == 1 else f" in {count} pieces, each with its own start."
+    values = joined([named(*each) for each in estimates.items()], ", ")
+    count, scatter = len(model.windows), 1e3 * solution.scatter
+    words = [
+        said("model_gives", values=values),
+        said("one_piece" if count == 1 else "pieces", count=count, scatter=scatter),
+    ]
     if lost:
-        pieces = "one piece" if lost == 1 else f"{lost} pieces"
-        words += f" The fit in {pieces} did not converge."
+        words.append(said("lost_one_piece" if lost == 1 else "lost_pieces", count=lost))
     if unknown:
-        words += (
-            f" {unknown} of the fits that propagate the pivot's uncertainty did not "
-            "converge: the standard deviations are too small."
-        )
+        words.append(said("lost_pivots", count=unknown))
     if not solution.kept.all():
-        words += f" {int((~solution.kept).sum())} outliers were left out."
-    return words
+        words.append(said("outliers", count=int((~solution.kept).sum())))
+    return joined(words)

@@ -15,6 +15,7 @@ from latolato.experiment.fits.drive_across import vertical_part
 from latolato.experiment.fits.least_squares import Data
 from latolato.experiment.fits.samples import angles_of, is_driven, noise_of, of_own_pivot
 from latolato.experiment.fits.sight import stroke_error
+from latolato.experiment.rules import broken
 from latolato.experiment.track_table import checked_table
 from latolato.physics.drives import Drive, FixedPivot, MeasuredPivot, PlanarHarmonic
 from latolato.physics.pendulum import LatoLato, System
@@ -185,9 +186,7 @@ def _spline(table: xr.Dataset, length: float, span: tuple[float, float], swings:
     known = np.logical_and.reduce([np.isfinite(table[column].values) for column in columns])
     time = time[known]
     if not len(time) or time[0] > span[0] or time[-1] < span[1]:
-        raise InputError(
-            "the pivot is not known for the whole motion: give start and end, or the drive"
-        )
+        raise broken("partly_known_pivot")
     places = {column: table[column].values[known] for column in columns}
     noises = {column: noise_of(place) for column, place in places.items()}
     generator = np.random.default_rng(0)

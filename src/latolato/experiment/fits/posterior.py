@@ -39,7 +39,6 @@ from latolato.experiment.fits.least_squares import (
 from latolato.experiment.fits.model import Described, described, doubt_of, drive_to_keep
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import (
-    OF_A_PART,
     TWO_SIDED,
     Adequacy,
     Estimate,
@@ -163,8 +162,11 @@ def fit_posterior(
     doubt = doubt_of(found, list(density.bends.T))
     if not doubt.describes:
         # Paths in the density of a wrong model can take hours, and no draw would be a result.
-        advice = OF_A_PART if doubt.is_in_record else ""
-        raise InputError(f"nothing to sample: {doubt.doubt.rstrip('.')}{advice}")
+        advice = "give start and end to fit a part that the model describes"
+        raise InputError(
+            f"nothing to sample: {doubt.doubt.rstrip('.')}",
+            way_out=advice if doubt.is_in_record else None,
+        )
     samples, broken = sampled(density, count, paths, seed)
     return _fit_of(found, density, samples, broken)
 

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.flights import (
@@ -29,6 +29,7 @@ from latolato.experiment.fits.pivots import pivot_for
 from latolato.experiment.fits.registry import FitKind, fits
 from latolato.experiment.fits.result import Adequacy, Estimate, Fit, make_fit
 from latolato.experiment.fits.samples import filled, length_of, within
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import balls_of, checked_table, has_own_pivots
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import GRAVITY
@@ -110,12 +111,10 @@ def fit_restitution(
     speed.
     """
     if has_own_pivots(checked_table(table)):
-        raise InputError("the balls hang from separate pivots: their impacts cannot be fitted")
+        raise broken("two_pivots")
     length = length_of(table, length)
     if length is None:
-        raise InputError(
-            "needs length [m]: the flights are pendulum motion", parameter="restitution"
-        )
+        raise broken("flights_length", parameter="restitution")
     radius = table.attrs.get("radius") if radius is None else radius
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
@@ -134,14 +133,11 @@ def fit_restitution(
     impacts = seen(pull, drag)
     unseen = len(record.turns) - len(impacts)
     if not impacts:
-        raise InputError(
-            f"no impact was seen well enough: {unseen} reversals of the angle are smooth, "
-            "too slow or have too few samples",
-            way_out="use a faster camera",
-        )
+        raise broken("no_impact", {"count": unseen})
     each = np.array([i.restitution for i in impacts])
     deviations = np.array([i.sigma for i in impacts])
-    pooled, words = _pooled(each, deviations, np.array([abs(i.before) for i in impacts]))
+    speeds = np.array([abs(i.before) for i in impacts])
+    pooled, scatter, speed = _pooled(each, deviations, speeds)
     # What all impacts share: the drag, and the pivot's motion.
     dragged = seen(pull, replace(drag, rate=drag.rate + drag.sigma))
     shared = _shift(impacts, dragged) ** 2
@@ -165,14 +161,16 @@ def fit_restitution(
         "radius": radius, "gravity": gravity, "damping_rate": drag.rate, "pivot": moving.words,
         "of": "two balls" if two else "one ball and a wall", "source": table.attrs.get("source"),
     }  # fmt: skip
-    verdict = f"e = {pooled} from {len(impacts)} impacts of {about['of']}{words}."
+    rule = "restitution_balls" if two else "restitution_wall"
+    count = len(impacts)
+    words = [said(rule, value=str(pooled), count=count, scatter=scatter, speed=speed)]
     if unseen:
-        verdict += f" {unseen} further reversals show no measurable impact."
+        words.append(said("smooth_reversals", count=unseen))
     adequacy = _pull_doubt(drag.pull, length)
-    if adequacy.describes:
-        adequacy = _doubt(impacts, words)
+    if adequacy.describes and not speed:
+        adequacy = _doubt(impacts)
     return make_fit(
-        "restitution", {"restitution": pooled}, verdict, curves, about, adequacy=adequacy
+        "restitution", {"restitution": pooled}, joined(words), curves, about, adequacy=adequacy
     )
 
 
@@ -258,14 +256,14 @@ def _record(table: xr.Dataset, ball: int, start: float | None, end: float | None
         angle = table[f"angle_{each}"].values[chosen].copy()
         angle[table[f"flag_{each}"].values[chosen] != "ok"] = np.nan
         if np.isfinite(angle).sum() < 2 * FEWEST:
-            raise InputError(f"ball {each} has fewer than {2 * FEWEST} samples flagged ok")
+            raise broken("few_ok", {"ball": each, "count": 2 * FEWEST})
         angles.append(angle)
         sigmas.append(filled(table[f"angle_sigma_{each}"].values[chosen]))
     time = table["time"].values[chosen]
     gap = angles[0] - angles[1] if two else angles[0]
     instants = _turns(time, gap)
     if not instants:
-        raise InputError("no impact was seen: the angle between the balls never reverses")
+        raise broken("no_reversal")
     turns = [_Turn(instant, *_sides(time, gap, instants, k)) for k, instant in enumerate(instants)]
     return _Record(time, angles, sigmas, gap, turns)
 
@@ -384,35 +382,27 @@ def _pull_doubt(pull: tuple[float, float], length: float) -> Adequacy:
     if abs(factor - 1.0) <= max(_WRONG_PULL, _SURE * sigma):
         return Adequacy()
     share = 100.0 * abs(math.sqrt(factor) - 1.0)
-    return Adequacy(
-        f"Between impacts the balls swing {share:.2g} % {'faster' if factor > 1.0 else 'slower'} "
-        f"than a pendulum of {length:.4g} m does: its length, the clock or the scale of the angles "
-        "is wrong, and so is e.",
-        "length",
-    )
+    rule = "balls_faster" if factor > 1.0 else "balls_slower"
+    return Adequacy(said(rule, percent=share, length=length), "length")
 
 
-def _doubt(impacts: Sequence[_Impact], words: str) -> Adequacy:
+def _doubt(impacts: Sequence[_Impact]) -> Adequacy:
     """Return whether one coefficient describes all impacts: that of both halves of the record."""
     half = len(impacts) // 2
-    if half < _HALF or "rad/s" in words:
+    if half < _HALF:
         return Adequacy()
     values = np.array([impact.restitution for impact in impacts])
     sigmas = np.array([impact.sigma for impact in impacts])
     means, errors = [], []
     for part in (slice(None, half), slice(half, None)):
-        mean, _ = _pooled(values[part], sigmas[part], np.zeros(len(values[part])))
+        mean, *_ = _pooled(values[part], sigmas[part], np.zeros(len(values[part])))
         means.append(mean.value)
         errors.append(max(mean.sigma, float(np.std(values[part])) / math.sqrt(half)))
     if abs(means[1] - means[0]) <= _SURE * math.hypot(*errors):
         return Adequacy()
     at = impacts[half].time
-    return Adequacy(
-        "One coefficient of restitution does not describe these impacts: it is "
-        f"{means[0]:.3f} before {at:.4g} s and {means[1]:.3f} after it.",
-        "change",
-        at,
-    )
+    before, after = (f"{mean:.3f}" for mean in means)
+    return Adequacy(said("changed_restitution", before=before, time=at, after=after), "change", at)
 
 
 def _chi_square(each: Floats, weights: Floats) -> float:
@@ -435,16 +425,17 @@ def _excess(each: Floats, sigmas: Floats) -> float:
     return float(brentq(surplus, 0.0, float(np.ptp(each)) ** 2 * len(each)))
 
 
-def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str]:
+def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str, str]:
     """Return the pooled coefficient, and words on its scatter and on speed."""
-    count, words, weights = len(each), "", 1.0 / sigmas**2
+    scatter = speed = ""
+    count, weights = len(each), 1.0 / sigmas**2
     chi_square = _chi_square(each, weights) / max(count - 1, 1)
     wider = math.sqrt(max(chi_square, 1.0))
     if count > 3 and chi_square > 1.0 + 3.0 * math.sqrt(2.0 / (count - 1)):
         # Impacts differ by more than they are uncertain: all count nearly alike then.
         extra = _excess(each, sigmas)
         weights, wider = 1.0 / (sigmas**2 + extra), 1.0
-        words = f"; they differ by {math.sqrt(extra):.2g}, more than their uncertainty"
+        scatter = said("impacts_differ", extra=math.sqrt(extra))
     mean = float(np.average(each, weights=weights))
     own = wider / math.sqrt(float(np.sum(weights)))
     if count > 5 and np.ptp(speeds) > 0.0:
@@ -452,8 +443,6 @@ def _pooled(each: Floats, sigmas: Floats, speeds: Floats) -> tuple[Estimate, str
         slope = float(np.sum(weights * late * each) / np.sum(weights * late**2))
         spread = 1.0 / math.sqrt(float(np.sum(weights * late**2)))
         if abs(slope) > 4.0 * spread:
-            words += (
-                f"; e {'falls' if slope < 0 else 'grows'} by {abs(slope):.2g} for each rad/s of "
-                "closing speed"
-            )
-    return Estimate(mean, own, "1"), words
+            rule = "restitution_falls" if slope < 0.0 else "restitution_grows"
+            speed = said(rule, slope=abs(slope))
+    return Estimate(mean, own, "1"), scatter, speed

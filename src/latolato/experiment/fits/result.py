@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, Word, joined
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Registry, rebuild, suggest
+from latolato.experiment.rules import said
 from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
@@ -22,15 +23,8 @@ if TYPE_CHECKING:
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
-# What a verdict says after a doubt, and what may help if the reason is in the record.
-_WITHHELD = "No number of this fit is a result. Its values are kept for inspection"
-OF_A_PART = "; give start and end to fit a part that the model describes"
-# The least and the largest value that an experiment is likely to have, and what else it may be.
-_USUAL = {
-    "length": (5e-3, 70.0, "is the clock in seconds, not in frames or milliseconds"),
-    "drive_frequency": (0.05, 2e3, "is the clock in seconds, not in frames or milliseconds"),
-    "drive_amplitude": (1e-5, 1.0, "is the height in metres, not in millimetres or pixels"),
-}
+# The least and the largest value that an experiment is likely to have.
+_USUAL = {"length": (5e-3, 70.0), "drive_frequency": (0.05, 2e3), "drive_amplitude": (1e-5, 1.0)}
 # Endings of the variables that go with an estimate.
 _PARTS = {
     "sigma": "standard deviation of",
@@ -124,7 +118,7 @@ class Adequacy:
         known = None if math.isnan(self.fails_at) else self.fails_at
         return {
             "describes": self.describes,
-            "doubt": self.doubt or None,
+            "doubt": str(self.doubt) or None,
             "break": self.kind or None,
             "fails_at": known,
         }
@@ -141,6 +135,8 @@ class Fit:
     """
 
     dataset: xr.Dataset
+    # Verdict and doubt with their parts; files hold texts alone.
+    sentences: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     @property
     def kind(self) -> str:
@@ -150,7 +146,7 @@ class Fit:
     @property
     def verdict(self) -> str:
         """The result in plain words."""
-        return str(self.dataset.attrs["verdict"])
+        return self.sentences.get("verdict", str(self.dataset.attrs["verdict"]))
 
     @property
     def describes(self) -> bool:
@@ -160,7 +156,7 @@ class Fit:
     @property
     def doubt(self) -> str:
         """Why the model does not describe the record, "" if it does."""
-        return str(self.dataset.attrs.get("doubt", ""))
+        return self.sentences.get("doubt", str(self.dataset.attrs.get("doubt", "")))
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -319,17 +315,24 @@ def make_fit(
         if value is not None:
             kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
-        advice = OF_A_PART if adequacy.is_in_record else ""
-        verdict = f"{adequacy.doubt} {_WITHHELD}{advice}."
+        withheld = said("withheld_whole" if adequacy.is_in_record else "withheld")
+        verdict = joined([adequacy.doubt, withheld])
     elif adequacy.note:
-        verdict = f"{verdict} {adequacy.note}"
-    return Fit(xr.Dataset(variables, attrs={"fit": kind, "verdict": verdict, **kept}))
+        verdict = joined([verdict, adequacy.note])
+    dataset = xr.Dataset(variables, attrs={"fit": kind, "verdict": str(verdict), **kept})
+    return Fit(dataset, {"verdict": verdict, "doubt": adequacy.doubt})
 
 
-def size_question(name: str, value: float) -> str:
-    """Return a question about a number that no experiment has, "" for any other, in SI units."""
-    low, high, cause = _USUAL.get(name, (-math.inf, math.inf, ""))
-    if low <= abs(value) <= high:
-        return ""
-    quantity = quantity_of(name)
-    return f" A {name.replace('_', ' ')} of {value:.4g} {quantity.unit} is unusual: {cause}?"
+def named(name: str, estimate: Estimate) -> Sentence:
+    """Return a number with the name of its quantity."""
+    return joined([Word(quantity_of(name).long_name), str(estimate)])
+
+
+def size_questions(estimates: Mapping[str, Estimate], *names: str) -> list[Sentence]:
+    """Return questions about those of some numbers that no experiment has, in SI units."""
+    numbers = {name: estimates[name].value for name in names}
+    return [
+        said(f"unusual_{name}", value=value)
+        for name, value in numbers.items()
+        if not _USUAL[name][0] <= abs(value) <= _USUAL[name][1]
+    ]

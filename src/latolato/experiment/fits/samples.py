@@ -13,6 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats, one_series
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import (
     CLEAN,
     balls_of,
@@ -55,9 +56,7 @@ def samples_of(
     is_clean = np.isin(table[f"flag_{ball}"].values.astype(str), CLEAN)
     good = np.isfinite(angle) & is_clean & within(time, start, end)
     if good.sum() < 8:
-        raise InputError(
-            f"ball {ball} has {good.sum()} samples flagged ok, but a fit needs at least 8"
-        )
+        raise broken("few_clean", {"ball": ball, "count": good.sum()})
     sigma = table[f"angle_sigma_{ball}"].values[good]
     return one_series(time[good], angle[good], filled(sigma))
 
@@ -77,11 +76,7 @@ def of_own_pivot(
     if not has_own_pivots(checked_table(table)):
         return table, ball
     if system.angles == 2 or isinstance(system, LatoLato):
-        raise InputError(
-            f"the balls of a {type(system).__name__} hang from one pivot, but those of this table "
-            "from separate pivots",
-            way_out="use a Pendulum for each ball",
-        )
+        raise broken("own_pivots", {"system": type(system).__name__})
     return table_of_ball(table, 1 if ball is None else ball), 1
 
 
@@ -200,13 +195,9 @@ def check_turns(data: Data) -> None:
     if jump is None:
         return
     instant, size, usual = jump
-    for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
+    for turn, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
         if abs(abs(size) - turn) < min(3.0 * usual + 0.02, 0.5) and usual < 0.2 * turn:
-            raise InputError(
-                f"the angle jumps by {name} at {instant:.4g} s, which no ball does between two "
-                "samples",
-                way_out="take the turn off the angles from there on",
-            )
+            raise broken("turned_angle", {"turn": said(name), "time": instant})
 
 
 def largest_jump(data: Data) -> tuple[float, float, float] | None:

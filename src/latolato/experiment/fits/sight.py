@@ -17,6 +17,7 @@ import numpy as np
 
 from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
+from latolato.experiment.rules import said
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -125,15 +126,10 @@ class Sight:
 
 def pivot_doubt(solution: Solution) -> Adequacy | None:
     """Return the doubt in a fit whose pivot is far from its place in the table, None without."""
-    for name, place in ((ABOVE, "above"), (ASIDE, "beside")):
+    for name, rule in ((ABOVE, "pivot_above"), (ASIDE, "pivot_beside")):
         if name in solution.beyond_priors:
-            return Adequacy(
-                f"The fit is not to be believed: it puts the pivot {abs(solution.values[name]):.2g}"
-                f" of the arm {place} where the table has it, "
-                f"{abs(solution.beyond_priors[name]):.2g} times the uncertainty that the table "
-                "states.",
-                "pivot",
-            )
+            share, times = abs(solution.values[name]), abs(solution.beyond_priors[name])
+            return Adequacy(said(rule, share=share, times=times), "pivot")
     return None
 
 

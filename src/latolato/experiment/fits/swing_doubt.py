@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.experiment.fits.adequacy import (
     SMALL,
     Cut,
@@ -34,6 +34,7 @@ from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
+from latolato.experiment.rules import said
 
 # Periods in the shortest part of a record.
 _SHORTEST = 2.0
@@ -49,18 +50,7 @@ _NEAR = 0.02
 # Breaks that nothing which lasts can look like.
 _SUDDEN = ("phase jump", "two films", "shifted angle", "another rest")
 # Factors to other units, and what is wrong if angles times that are those of a pendulum.
-_UNITS = (
-    (
-        180.0 / math.pi,
-        "its period changes with the size of the swing as if the angles were degrees: radians seem "
-        "to have been taken for degrees",
-    ),
-    (
-        math.pi / 180.0,
-        "its period does not change with the size of the swing as a pendulum's does. Were degrees "
-        "taken for radians, or is this no pendulum?",
-    ),
-)
+_UNITS = ((180.0 / math.pi, "taken_for_degrees"), (math.pi / 180.0, "taken_for_radians"))
 # Standard deviations from which a growth is seen.
 _GROWS = 3.0
 # Scatter over noise that is worth telling.
@@ -69,42 +59,13 @@ _FAR_OFF = 1.5
 _LAWS = (("linear",), ("quadratic",), ("coulomb",), ("linear", "quadratic"))
 _ALL = frozenset({"amplitude", "phase", "frequency", "offset", "drag"})
 _KINDS = [
-    Kind(
-        "phase jump",
-        frozenset({"phase"}),
-        "the swing jumps ahead by {share:.2g} of a period there: a piece of {lost} seems to be "
-        "missing from the clock",
-    ),
-    Kind(
-        "change of pace",
-        frozenset({"frequency"}),
-        "from there on everything happens {pace}: slow motion, another frame rate, or another "
-        "length",
-    ),
-    Kind(
-        "change of drag",
-        frozenset({"drag"}),
-        "the decay rate changes there from {drag_before:.3g} to {drag_after:.3g} 1/s",
-    ),
-    Kind("shifted angle", frozenset({"offset"}), "the angle shifts there by {offset}"),
-    Kind(
-        "two films",
-        frozenset({"amplitude", "phase"}),
-        "the swing changes there at once, by {share:.2g} of a period and from {size_before:.3g} to "
-        "{size_after:.3g} rad: two films were joined, something touched the ball, or another ball "
-        "is followed",
-    ),
-    Kind(
-        "another rest",
-        frozenset({"amplitude", "phase", "offset"}),
-        "the ball hangs elsewhere from there on, by {offset}: a wind, or a pivot that slipped",
-    ),
-    Kind(
-        "another motion",
-        _ALL,
-        "another motion begins there{other}: two films were joined, the film's pace changes, or "
-        "the pendulum was changed",
-    ),
+    Kind("phase jump", frozenset({"phase"}), "missing_piece"),
+    Kind("change of pace", frozenset({"frequency"}), "other_pace"),
+    Kind("change of drag", frozenset({"drag"}), "changed_drag"),
+    Kind("shifted angle", frozenset({"offset"}), "shifted_angle"),
+    Kind("two films", frozenset({"amplitude", "phase"}), "two_films"),
+    Kind("another rest", frozenset({"amplitude", "phase", "offset"}), "other_rest"),
+    Kind("another motion", _ALL, "other_motion"),
 ]
 
 
@@ -138,66 +99,53 @@ def doubt_of(
     fit_part = part_fitter(whole, terms, aside)
     period = math.tau / whole.values["natural_frequency"]
     ratio = whole.scatter / max(noise_of(data.values), 1e-300)
-    size = f" (scatter {ratio:.2g} times the noise of the samples)" if ratio > _FAR_OFF else ""
+    size = said("scatter_size", ratio=ratio) if ratio > _FAR_OFF else ""
     try:
         cut = first_cut(data, whole, fit_part, _SHORTEST * period)
     except ConvergenceError:
-        return Adequacy(f"The equation does not describe this record{size}.", "unknown"), whole
+        return Adequacy(said("not_described", scatter=size), "unknown"), whole
     if cut is None:
         return few or Adequacy(), whole
     bend = cut.bend(whole, data)
     if few is None and bend < SMALL:
-        note = (
-            f"Before and after {cut.instant:.4g} s the numbers differ by more than noise: the "
-            f"equation is {100.0 * bend:.1g} % of the swing off. Their deviations include that."
-        )
+        note = said("nearly_described", time=cut.instant, percent=100.0 * bend)
         return Adequacy(note=note), widened(whole, cut, ("natural_frequency", *terms))
-    kind, told = _of_cut(cut)
+    kind, reason = _of_cut(cut)
     if kind not in _SUDDEN:
         other = _of_whole(data, whole, cut, terms, aside)
         if other is not None:
-            end = "" if other[1].endswith("?") else "."
-            words = f"The equation does not describe this record: {other[1]}{end}"
-            return Adequacy(words, other[0]), whole
-    words = (
-        f"The equation does not describe this record{size}: it fails from {cut.instant:.4g} s on, "
-        f"and it looks as if {told}."
-    )
-    return Adequacy(words, kind, cut.instant), whole
+            return Adequacy(said("other_equation", reason=other[1]), other[0]), whole
+    broken = said("broken_record", scatter=size, time=cut.instant, reason=reason)
+    return Adequacy(broken, kind, cut.instant), whole
 
 
 def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | None:
     """Return the doubt that needs no fit of parts: an open gap, or a pivot far from its place."""
     if not alone:
         at = float(data.times[int(np.argmax(np.diff(data.times)))])
-        return Adequacy(
-            "The record does not tell how many swings there were in its gap at "
-            f"{at:.4g} s: several lengths describe it equally well.",
-            "gap",
-            at,
-        )
+        return Adequacy(said("open_gap", time=at), "gap", at)
     return pivot_doubt(whole)
 
 
 def _of_whole(
     data: Data, whole: Solution, cut: Cut, terms: Sequence[str], aside: Mapping[str, Guess]
-) -> tuple[str, str] | None:
-    """An explanation of the whole record by other units or another drag: a kind, and words.
+) -> tuple[str, Sentence] | None:
+    """An explanation of the whole record by other units or another drag: a kind, and its words.
 
     It must gain most of what two parts do, and its numbers may not change within the record.
     """
     few = data[:: max(1, len(data) // _ENOUGH)]
     p = {**dict.fromkeys(COEFFICIENTS, 1e-3), **whole.values}
     size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
-    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, str]] = []
-    for factor, words in _UNITS:
+    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, dict[str, str]]] = []
+    for factor, rule in _UNITS:
         other = replace(few, values=factor * few.values, sigmas=factor * few.sigmas)
         if np.ptp(other.values) < math.tau:
             slower = period_factor(factor * size) / period_factor(size)
             scaled = {n: factor * p[n] for n in ("initial_angle", "angle_offset")}
             scaled["initial_angular_velocity"] = factor * p["initial_angular_velocity"] * slower
             scaled["natural_frequency"] = p["natural_frequency"] * slower
-            tries.append((other, {**p, **scaled}, terms, "unit", words))
+            tries.append((other, {**p, **scaled}, terms, rule, {}))
     drag, rate = max(abs(p["linear"]), 1e-3), p["natural_frequency"]
     starts = {
         "linear": 0.5 * drag,
@@ -206,14 +154,14 @@ def _of_whole(
     }
     for laws in _LAWS:
         if laws != tuple(terms):
-            words = f"its drag is not {'+'.join(terms)} but rather {'+'.join(laws)}: use law 'best'"
-            tries.append((few, {**p, **starts}, laws, "drag law", words))
+            names = {"law": "+".join(terms), "other": "+".join(laws)}
+            tries.append((few, {**p, **starts}, laws, "other_drag", names))
     try:
         plain = deviance([fit_equation(few, whole.values, terms, aside, limit=_TRIES)])
     except InputError:
         return None
     found = []
-    for samples, start, drags, kind, words in tries:
+    for samples, start, drags, rule, names in tries:
         try:
             solution = fit_equation(samples, start, drags, aside, limit=_TRIES)
         except InputError:
@@ -224,26 +172,26 @@ def _of_whole(
             continue
         if place_of_change(samples, solution, shortest) is None:
             rate = 0.5 * solution.values.get("linear", 0.0)
-            if rate < 0.0 and rate < -0.5 * _GROWS * solution.sigma("linear"):
-                words = f"{words}; the swing grows by {-rate:.3g} 1/s"
-            found.append((gain, kind, words))
+            grows = rate < 0.0 and rate < -0.5 * _GROWS * solution.sigma("linear")
+            growth = said("grows_at", rate=-rate) if grows else ""
+            kind = "drag law" if names else "unit"
+            found.append((gain, kind, said(rule, **names, growth=growth)))
     return max(found)[1:] if found else None
 
 
-def _pace_words(pace: float) -> str:
+def _pace_words(pace: float) -> Sentence:
     """Return how much faster or slower things happen, in words."""
-    quick, ratio = ("fast", pace) if pace > 1.0 else ("slowly", 1.0 / pace)
+    ratio = max(pace, 1.0 / pace)
     if ratio > 1.2:
-        return f"{ratio:.3g} times as {quick}"
-    return f"{100.0 * (ratio - 1.0):.2g} % {'faster' if quick == 'fast' else 'more slowly'}"
+        return said("times_as_fast" if pace > 1.0 else "times_as_slowly", ratio=ratio)
+    name = "percent_faster" if pace > 1.0 else "percent_slower"
+    return said(name, percent=100.0 * (ratio - 1.0))
 
 
 def _other_period(before: Mapping[str, float], after: Mapping[str, float]) -> str:
     """Return the periods before and after a cut in words, nothing where they are alike."""
     one, other = (math.tau / math.exp(each["frequency"]) for each in (before, after))
-    if abs(other - one) < 1e-3 * one:
-        return ""
-    return f", with a period of {other:.4g} s instead of {one:.4g} s"
+    return "" if abs(other - one) < 1e-3 * one else said("other_period", before=one, after=other)
 
 
 def _by_instant(before: Mapping[str, float], after: Mapping[str, float]) -> Floats:
@@ -258,7 +206,7 @@ def _by_instant(before: Mapping[str, float], after: Mapping[str, float]) -> Floa
     return (_UNSURE * period) ** 2 * np.outer(moved, moved)
 
 
-def _of_cut(cut: Cut) -> tuple[str, str]:
+def _of_cut(cut: Cut) -> tuple[str, Sentence]:
     """Return the kind of break at a cut, and what it looks like."""
     usual = 0.5 * cut.before.values.get("linear", 0.0)
     before, after, off, covariance = changes(cut, partial(portrait, usual=usual))
@@ -278,14 +226,14 @@ def _of_cut(cut: Cut) -> tuple[str, str]:
     kind = min(_KINDS, key=lambda each: misfit_of(each, left.get(each.name, off), covariance))
     seconds = f"{float(lost[fewest]):.3g} s"
     turn = off["offset"]
-    offset = f"{turn:.3g} rad"
-    for one, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
+    offset = said("angle_rad", angle=turn)
+    for one, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
         if abs(abs(turn) - one) < _NEAR * one:
-            offset = name
+            offset = said(name)
     numbers = {
         "share": share, "lost": seconds, "pace": _pace_words(pace), "offset": offset,
         "drag_before": before["drag"], "drag_after": after["drag"],
         "size_before": size, "size_after": math.exp(after["amplitude"]),
         "other": _other_period(before, after),
     }  # fmt: skip
-    return kind.name, kind.words.format(**numbers)
+    return kind.name, said(kind.rule, **numbers)

@@ -8,9 +8,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.fits.least_squares import Floats
 from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.rules import broken
 
 # A swing must pass zero by so many times the noise, and this share of the largest, to count.
 _CLEAR = 6.0
@@ -105,7 +105,7 @@ def swings_of(times: Floats, angles: Floats) -> Swings:
         shape = math.sqrt(float(weights @ inverse @ weights))
         rows.append((middle + late / rate, top, shape, half, spread))
     if not rows:
-        raise InputError("no swing was found: the angle does not cross zero twice beyond its noise")
+        raise broken("no_crossings")
     tops, angles_there, shapes, halves, spreads = np.array(rows).T
     # One scatter for all: that of a single half swing is too uncertain to weigh it by.
     return Swings(tops, angles_there, shapes * math.sqrt(float(np.median(spreads))), halves)
@@ -158,12 +158,9 @@ def free_start(times: Floats, angles: Floats) -> float:
     """
     zeros = crossings(times, angles)
     if np.ptp(angles) == 0.0:
-        raise InputError("no free swing was found: the angle is the same in all samples")
+        raise broken("constant_angle")
     if len(zeros) < 3:
-        raise InputError(
-            "no free swing was found: the angle passes its middle fewer than three times",
-            way_out="use a longer part; of turning points give those of both sides",
-        )
+        raise broken("few_crossings")
     period = 2.0 * float(np.median(np.diff(zeros)))
     largest = float(np.max(np.abs(angles)))
     first = int(np.argmax(np.abs(angles) >= 0.95 * largest))
@@ -175,7 +172,7 @@ def free_start(times: Floats, angles: Floats) -> float:
         return float(times[0])
     later = zeros[zeros > times[left]]
     if len(later) < 3:
-        raise InputError("no free swing was found after the release", way_out="give start")
+        raise broken("held_ball")
     return float(later[0])
 
 

@@ -10,17 +10,17 @@ from typing import Any
 
 import numpy as np
 
+from latolato.core.errors import InputError, joined
 from latolato.experiment.opencv import import_cv2
+from latolato.experiment.rules import broken, place_text, said
 from latolato.experiment.tracking.link import extent_of
 from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.steady import (
-    STEADY,
     TOO_FAR,
     Bar,
     camera_motions,
     farthest,
-    motion_text,
     reduced,
 )
 from latolato.experiment.video import Frame
@@ -57,9 +57,6 @@ _CHANGED, _MORE = _RADIUS_RATIO**-2, 0.2
 # Share under the ball from which it moves as a whole, and share of the rest of the picture that may
 # change meanwhile, for a disc about a part of the ball to be believed.
 _WHOLE, _ELSEWHERE = 0.9, 0.3
-# What is wrong with a ball that does not stand out from its surroundings.
-_NO_BALL = "is no ball that moves"
-_BUSY = "cannot be told from the background, which changes as well"
 # Shares of frames in which a ball must pass for the track to be believed at all, as a ball and as a
 # part of something larger, and how many neighbours have a say in whether a stretch is believed.
 _PASSING, _ALWAYS, _NEIGHBOURS = 0.75, 0.9, 5
@@ -76,7 +73,7 @@ class Finding:
 
     Attributes
     ----------
-    reason, way_out : str
+    fault : InputError
         Why the track cannot be believed, and what to do instead.
     is_refusal : bool
         Whether the whole track is refused. Otherwise the user is warned.
@@ -84,8 +81,7 @@ class Finding:
         Samples that must not count as measured; None if all may.
     """
 
-    reason: str
-    way_out: str
+    fault: InputError
     is_refusal: bool = True
     doubtful: np.ndarray | None = None
 
@@ -150,18 +146,11 @@ def clicked_ball(track: Positions, clicks: Sequence[np.ndarray], number: int = 0
         away = min(float(np.hypot(*(place - click))) for click in clicks)
         step = float(np.nanmean(steps[max(near - 1, 0) : near + 2])) if len(steps) else math.nan
         if late > _SOON and (away > reach or step > _RESTING):  # it may have rested there
-            return Finding(
-                f"the ball is not seen where it was taken to be, at {track.times[number]:.4g} s: "
-                f"the nearest frame that shows one is {late} frames away, at "
-                f"{track.times[near]:.4g} s",
-                "point at the middle of the ball, or in a frame that shows it (--click-frame)",
-            )
+            times = {"time": track.times[number], "near": track.times[near]}
+            return Finding(broken("not_where_pointed", {**times, "count": late}))
         if away > reach:
-            return Finding(
-                f"the ball that was followed is at ({place[0]:.0f}, {place[1]:.0f}) with a radius "
-                f"of {track.radius:.0f} pixels, {away:.0f} pixels from where it was taken to be",
-                "point at the middle of the ball",
-            )
+            sizes = {"radius": f"{track.radius:.0f}", "pixels": f"{away:.0f}"}
+            return Finding(broken("other_ball", {"place": place_text(place), **sizes}))
     return None
 
 
@@ -175,12 +164,8 @@ def declared_radius(track: Positions, expected: float | None) -> Finding | None:
     ratio = track.radius / expected
     if 1.0 / _RADIUS_RATIO <= ratio <= _RADIUS_RATIO:
         return None
-    return Finding(
-        f"what was followed has a radius of {track.radius:.1f} pixels, the declared radius is "
-        f"{expected:.1f} pixels by the scale",
-        "check radius and length (from pivot to ball centre) and point at the middle of the ball; "
-        "without a radius it is measured",
-    )
+    sizes = {"radius": f"{track.radius:.1f}", "declared": f"{expected:.1f}"}
+    return Finding(broken("other_radius", sizes))
 
 
 def moving_ball(track: Positions) -> Finding | None:
@@ -194,11 +179,8 @@ def moving_ball(track: Positions) -> Finding | None:
             continue
         extent = extent_of(places)
         if extent < max(_RESTING, _RESTING_RADII * track.radius):
-            return Finding(
-                f"what was followed at ({places[0, 0]:.0f}, {places[0, 1]:.0f}) moves by "
-                f"{extent:.1f} pixels in the whole clip: it rests",
-                "point at the ball that swings, and not at its pivot instead",
-            )
+            values = {"place": place_text(places[0]), "extent": f"{extent:.1f}"}
+            return Finding(broken("resting_ball", values))
     return None
 
 
@@ -221,16 +203,11 @@ def uncut_clip(track: Positions) -> Finding | None:
     doubtful[known[[k + 1 for k in cuts]]] = True
     for i, j in pauses:
         doubtful[known[i] + 1 : known[j] + 1] = True
-    told = [f"it is cut at {times[k + 1]:.4g} s" for k in cuts]
-    told += [f"the picture stands still from {times[i]:.4g} to {times[j]:.4g} s" for i, j in pauses]
-    shown = told if len(told) < 4 else [*told[:3], f"{len(told) - 3} more"]
-    return Finding(
-        f"the clip is not in one piece: {', '.join(shown)}, so times there are not those of the "
-        "swing",
-        "track its pieces separately (--start, --end)",
-        is_refusal=False,
-        doubtful=doubtful,
-    )
+    told = [said("cut_at", time=times[k + 1]) for k in cuts]
+    told += [said("still_picture", begin=times[i], end=times[j]) for i, j in pauses]
+    shown = told if len(told) < 4 else [*told[:3], said("more_places", count=len(told) - 3)]
+    fault = broken("cut_clip", {"places": joined(shown, ", ")})
+    return Finding(fault, is_refusal=False, doubtful=doubtful)
 
 
 def _cuts(times: np.ndarray, places: np.ndarray, radius: float) -> list[int]:
@@ -293,9 +270,8 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
     far = farthest(motions)
     if far is None or far.moved < _MENTIONED:
         return None
-    reason = motion_text(far)
     if far.moved > TOO_FAR * math.hypot(*sample.frames[0].luma.shape):
-        return Finding(reason, STEADY)
+        return Finding(broken("moved_camera", far.values))
     if unknown > _UNSHOWN:  # a small motion would be seen in the other frames, too
         return None
     for ball in range(track.centres.shape[1]):
@@ -308,12 +284,8 @@ def resting_camera(sample: Sample, track: Positions) -> Finding | None:
         )
         extent = extent_of(own) if len(own) >= _FEWEST else math.inf
         if extent < max(_RESTING, _CARRIED * far.moved):
-            return Finding(
-                f"{reason}, and what was followed moves with it: by {extent:.1f} pixels only "
-                "before the background",
-                "point at the ball that swings, and film with the camera on a tripod",
-            )
-    return Finding(reason, "film on a tripod for full accuracy", False)
+            return Finding(broken("carried_ball", {**far.values, "extent": f"{extent:.1f}"}))
+    return Finding(broken("moving_camera", far.values), is_refusal=False)
 
 
 def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
@@ -326,6 +298,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     """
     numbers, shares = change_shares(sample, track)
     doubtful = np.zeros(track.is_measured.shape, bool)
+    radius = {"radius": f"{track.radius:.0f}"}
     is_part = False
     for ball in range(track.centres.shape[1]):
         known = np.isfinite(shares[:, ball, 0])
@@ -334,11 +307,7 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
             continue
         if known.sum() < max(_FEWEST, _TELLING * seen.sum()):
             extent = extent_of(track.centres[numbers[seen], ball])
-            return Finding(
-                f"what was followed moves by {extent:.1f} pixels, too little for a disc of "
-                f"{track.radius:.0f} pixels radius to be told from the wall",
-                "point at the middle of the ball that swings, or give its radius and length",
-            )
+            return Finding(broken("small_motion", {"extent": f"{extent:.1f}", **radius}))
         under, beside, elsewhere, plain = shares[known, ball].T
         is_ball = (under >= _CHANGED) & (under - beside >= _MORE)
         moves = (plain >= _WHOLE) & (elsewhere <= _ELSEWHERE)
@@ -347,38 +316,23 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
         is_alone = is_ball.mean() >= _PASSING
         if not is_alone and passes.mean() < _ALWAYS:
             is_busy = np.median(under) >= _WHOLE and np.median(elsewhere) > _ELSEWHERE
-            return Finding(
-                f"what was followed {_BUSY if is_busy else _NO_BALL}: of the pixels under it "
-                f"(radius {track.radius:.0f} pixels) {_percent(under)} change when it comes, of "
-                f"those around it {_percent(beside)}, elsewhere {_percent(elsewhere)}",
-                "film the ball in front of a background at rest"
-                if is_busy
-                else "point at the middle of the ball that swings, or give its radius and length",
-            )
+            parts = {"under": under, "beside": beside, "elsewhere": elsewhere}
+            values = {name: _percent(each) for name, each in parts.items()} | radius
+            return Finding(broken("busy_background" if is_busy else "no_ball", values))
         is_part |= not is_alone
         doubtful[:, ball] = _stretches(numbers[known], passes, len(doubtful))
     doubtful &= track.is_measured
     if doubtful.any():
-        return Finding(
-            f"{_percent(doubtful[track.is_measured], np.mean)} of the measured samples are given "
-            "up as lost: there the pixels under it do not change as those under a ball",
-            "look at these frames in the overlay",
-            False,
-            doubtful,
-        )
+        percent = _percent(doubtful[track.is_measured], np.mean)
+        return Finding(broken("unlike_pixels", {"percent": percent}), False, doubtful)
     if is_part:
-        return Finding(
-            f"the disc of {track.radius:.0f} pixels radius that was followed is a part of "
-            "something larger that moves with it",
-            "look at the overlay, and give the ball's radius and length",
-            False,
-        )
+        return Finding(broken("part_of_larger", radius), is_refusal=False)
     return None
 
 
 def _percent(shares: np.ndarray, typical: Callable[[np.ndarray], Any] = np.median) -> str:
-    """Return a typical share in words."""
-    return f"{100.0 * float(typical(shares)):.0f} %"
+    """Return a typical share in per cent as a text."""
+    return f"{100.0 * float(typical(shares)):.0f}"
 
 
 def change_shares(sample: Sample, track: Positions) -> tuple[np.ndarray, np.ndarray]:

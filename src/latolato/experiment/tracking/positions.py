@@ -4,10 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from scipy.ndimage import binary_erosion
 
+from latolato.core.errors import Sentence, joined
+from latolato.experiment.rules import said
 from latolato.experiment.track_table import CLEAN, MEASURED
 from latolato.experiment.tracking.appearance import reach_of
 
@@ -105,13 +108,25 @@ class Positions:
         """Return the share of clean samples and contacts in `fresh` frames, shape (frame,)."""
         return float(np.isin(self.flags[fresh], (*CLEAN, "collision")).mean())
 
-    def gaps_text(self, fresh: np.ndarray) -> str:
+    def gaps_text(self, fresh: np.ndarray) -> Sentence:
         """Return in words how few samples of `fresh` frames (frame,) are clean, and why."""
         flags = self.flags[fresh]
         unclean = ~np.isin(flags, (*CLEAN, "collision"))
         parts = ((flag, np.mean(flags == flag)) for flag in ("occluded", "predicted", "lost"))
-        named = ", ".join(f"{100.0 * share:.0f} % {flag}" for flag, share in parts if share > 0.005)
-        text = f"only {100.0 * self.clean_share(fresh):.0f} % of the samples are ok ({named}): "
+        flags_text = joined(
+            [
+                said(f"share_{flag}", percent=f"{100.0 * share:.0f}")
+                for flag, share in parts
+                if share > 0.005
+            ],
+            ", ",
+        )
+        percent = f"{100.0 * self.clean_share(fresh):.0f}"
+
+        def text(rule: str, **values: Any) -> Sentence:
+            reason = said(rule, **values)
+            return said("few_seen", percent=percent, flags=flags_text, reason=reason)
+
         places = np.where(self.is_measured[..., None], self.centres, np.nan)
         steps = np.linalg.norm(np.diff(places, axis=0), axis=-1)
         leap = float(np.nanmedian(steps)) / (2.0 * self.reach) if np.isfinite(steps).any() else 0.0
@@ -121,23 +136,14 @@ class Positions:
         longest = int(np.argmax(ends - begins)) if len(begins) else 0
         if len(begins) and ends[longest] - begins[longest] > _MOST * unclean.any(axis=1).sum():
             times = self.times[fresh][[begins[longest], ends[longest] - 1]]
-            return (
-                f"{text}most of the others lie between {times[0]:.3g} and {times[1]:.3g} s, where "
-                "the ball is hidden, is held, or leaves its circle about the pivot"
-            )
+            return text("unseen_stretch", begin=times[0], end=times[1])
         if leap > _LEAPS:
-            return (
-                f"{text}what was followed moves by {leap:.1f} of its diameters between frames, so "
-                "it may not be the ball"
-            )
+            return text("leaping", leap=f"{leap:.1f}")
         if np.mean(flags == "occluded") > _MOST * unclean.mean():
-            return f"{text}there the ball is partly hidden, or what was pointed at is not the ball"
+            return text("hidden_ball")
         if not np.isfinite(self.angles).any():
-            return f"{text}nothing else like the ball is near where it is expected"
-        return (
-            f"{text}elsewhere nothing like the ball lies on its circle about the pivot, so the "
-            "pivot is wrong, the camera looks at an angle, or the ball is hard to see"
-        )
+            return text("nothing_near")
+        return text("nothing_on_circle")
 
     def give_up(self, doubtful: np.ndarray) -> None:
         """Mark samples, shape (frame, ball), as lost, but for those that were set by hand."""

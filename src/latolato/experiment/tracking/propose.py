@@ -8,9 +8,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
+from latolato.experiment.rules import said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.detect import shrunk
 from latolato.experiment.tracking.link import (
@@ -55,12 +56,12 @@ _FINE = 160.0
 _TRIALS = (0.0, -0.07, 0.07)
 
 
-def proposal_text(setup: Setup) -> str:
+def proposal_text(setup: Setup) -> Sentence:
     """Return a proposal in words, with the equivalent options."""
     options = options_of(setup)
     if setup.pivot is None and not setup.has_own_pivots:
-        return f"found in the video: {options}; no pivot was found in the picture"
-    return f"found in the video: {options}"
+        return said("proposed_without_pivot", options=options)
+    return said("proposed", options=options)
 
 
 def options_of(setup: Setup) -> str:

@@ -9,8 +9,8 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.opencv import import_cv2
+from latolato.experiment.rules import broken
 from latolato.experiment.tracking.detect import Copies, small_picture
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.video import Frame, Video
@@ -31,8 +31,6 @@ _AGREE, _OUTLYING, _FINE = 1.0, 3.0, 0.1
 # Motion of the camera from which frames are corrected [pixels], the largest one that is, as a share
 # of the picture's diagonal, and the share of frames that need not show it.
 _MOVES, TOO_FAR, _UNKNOWN = 0.3, 0.02, 0.1
-# What to do about a camera that moves farther.
-STEADY = "film with the camera on a tripod, or use a part in which it rests (--start, --end)"
 # By how many of its standard deviations it must exceed none.
 _CLEAR = 3.0
 # How many frames are compared with the first one.
@@ -69,6 +67,11 @@ class CameraMotion:
     moved: float
     sigma: float
     time: float
+
+    @property
+    def values(self) -> dict[str, Any]:
+        """What sentences state about it."""
+        return {"pixels": f"{self.moved:.1f}", "time": self.time}
 
 
 class Surroundings:
@@ -274,14 +277,6 @@ def farthest(motions: dict[int, CameraMotion]) -> CameraMotion | None:
     return ordered[-2] if len(ordered) > 1 else None
 
 
-def motion_text(motion: CameraMotion) -> str:
-    """Return how far the camera moves, in words."""
-    return (
-        f"the camera moves: the background shifts by up to {motion.moved:.1f} pixels (at "
-        f"{motion.time:.4g} s)"
-    )
-
-
 def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[Video, Sample]:
     """Return a video and its sample as a camera at rest would have taken them.
 
@@ -304,7 +299,7 @@ def steadied(video: Video, sample: Sample, hidden: Sequence[Bar] = ()) -> tuple[
     if motion is None or motion.moved < _MOVES:
         return video, sample
     if motion.moved > TOO_FAR * math.hypot(video.width, video.height):
-        raise InputError(motion_text(motion), way_out=STEADY)
+        raise broken("moved_camera", motion.values)
     if unknown > _UNKNOWN or motion.moved < _CLEAR * float(
         np.median([motion.sigma for motion in motions.values()])
     ):

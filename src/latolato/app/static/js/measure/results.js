@@ -1,15 +1,20 @@
 /** What fits and trials say, in cards and a table. */
 
+import { inputError } from "../page/api.js";
 import { el } from "../page/dom.js";
+import { inLanguage, sentenceInLanguage } from "../page/refusals.js";
 import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../page/unit_text.js";
-import { ENGLISH, local, t, tr } from "../strings.js";
+import { local, t, tr } from "../strings.js";
 
 /** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
  *   label: string, symbol: string}} FitValue */
-/** @typedef {{kind: string, error?: string, verdict?: string, values?: Record<string, FitValue>,
+/** @typedef {{kind: string, error?: Told, verdict?: Sentence | string, values?: Record<string, FitValue>,
  *   play?: Record<string, any>}} Fit */
 
 /** @typedef {import("./desk.js").FitKind} FitKind */
+/** @typedef {import("../model/rules.js").Sentence} Sentence */
+/** What the server says: a sentence, or why something was refused. @typedef {string | Sentence | Parts} Told */
+/** @typedef {import("../page/api.js").Parts} Parts */
 
 /**
  * Return the card of a fit; what is no headline is behind "more".
@@ -29,7 +34,7 @@ export function fitCard(fit, kind, truth, registry, play, again) {
     fitTable(tr(kind.title), names, values, truth, registry);
   return el("section", { class: "card fit", "data-fit": fit.kind },
     el("h2", {}, tr(kind.title)), table(main),
-    el("p", { class: "hint", lang: ENGLISH }, fit.verdict ?? ""),
+    el("p", { class: "hint" }, told(fit.verdict ?? "")),
     rest.length > 0 && el("details", { class: "inner" }, el("summary", {}, t("moreNumbers")),
       table(rest)),
     el("div", { class: "actions" }, fit.play && el("button", { type: "button",
@@ -54,7 +59,15 @@ export function waitingCard(kind, button) {
 export function refusedCard(fits, kinds) {
   return el("section", { class: "card" }, el("h2", {}, t("notHere")),
     ...fits.map((fit) => el("p", { class: "hint" },
-      el("strong", {}, tr(kinds[fit.kind].title)), ": ", el("span", { lang: ENGLISH }, fit.error))));
+      el("strong", {}, tr(kinds[fit.kind].title)), ": ", told(fit.error ?? ""))));
+}
+
+/**
+ * Return what the server said in the language of the page.
+ * @param {Told} text
+ */
+function told(text) {
+  return typeof text === "object" && "rule" in text ? inLanguage(inputError(text)) : sentenceInLanguage(text);
 }
 
 /**
@@ -102,7 +115,7 @@ function percent(share) {
 /**
  * Return the table of trials: those of the server, and videos that are none with the reason.
  * @param {any[]} trials
- * @param {{name: string, key: string, reason: string | null}[]} clips
+ * @param {{name: string, key: string, reason: Told | null}[]} clips
  * @param {(clip: string) => void} open
  */
 export function trialTable(trials, clips, open) {
@@ -120,11 +133,11 @@ export function trialTable(trials, clips, open) {
     el("td", {}, degrees(row.largest_angle, row.largest_angle_sigma)),
     el("td", {}, degrees(row.largest_angle_after_transient, row.largest_angle_after_transient_sigma)),
     el("td", {}, t(`class_${row.class}`), row.borderline ? ` (${t("borderline")})` : ""),
-    el("td", { class: "soft" }, row.note)));
+    el("td", { class: "soft" }, told(row.note))));
   const named = new Set(trials.map((row) => row.clip));
   const others = clips.filter(({ key }) => !named.has(key)).map(({ key, name, reason }) =>
     el("tr", {}, el("td", {}, "–"), el("td", {}, link(key, name)),
-      el("td", { colspan: "7", class: "soft" }, reason ?? t("notTracked"))));
+      el("td", { colspan: "7", class: "soft" }, reason === null ? t("notTracked") : told(reason))));
   const heads = ["set", "video", "trialAmplitude", "trialFrequency", "trialRatio", "trialLargest",
     "trialAfterTransient", "trialClass", "note"];
   return el("div", { class: "table-scroll", tabindex: "0", role: "region",

@@ -40,7 +40,8 @@ function newClip(id, name, file) {
     mode: /** @type {"setup" | "result"} */ ("setup"), tracked: 0, track: /** @type {Track | null} */ (null),
     finding: /** @type {(string | import("../model/rules.js").Sentence)[]} */ ([]),
     answer: /** @type {Answer[]} */ ([]), fits: /** @type {Record<string, any>} */ ({}),
-    warnings: /** @type {string[]} */ ([]), noTrial: /** @type {string | null} */ (null),
+    warnings: /** @type {(string | import("../model/rules.js").Sentence)[]} */ ([]),
+    noTrial: /** @type {import("./results.js").Told | null} */ (null),
     code: /** @type {string[]} */ ([]), files: /** @type {Set<string>} */ (new Set()),
     truth: /** @type {Record<string, number>} */ ({}),
     /** How far work is, and what went wrong. */

@@ -11,6 +11,8 @@ import { t } from "../strings.js";
 
 const GRAVITY = 9.8; // only to tell dense curves from others
 export const SIDES = ["right", "left"];
+/** How the times without a sample are painted, as those of a ball that was not seen. */
+const GAP = "flag-lost";
 
 export class Track {
   /** @param {Block} block */
@@ -90,7 +92,7 @@ export class Track {
   shades() {
     const { time } = this;
     /** @type {Shade[]} */
-    const spans = this.afterGaps.map((k) => ({ from: time[k - 1], to: time[k], paint: "flag-lost" }));
+    const spans = this.afterGaps.map((k) => ({ from: time[k - 1], to: time[k], paint: GAP }));
     for (let b = 0; b < this.count; b += 1) {
       const codes = this.values("flag", b);
       for (let i = 0; i < codes.length; i += 1) {
@@ -169,17 +171,19 @@ export class Track {
 export function panelsOf(track) {
   const of = (/** @type {any} */ motion) => /** @type {Track} */ (motion);
   const shades = (/** @type {any} */ motion) => of(motion).shades();
+  const hasGaps = track.shades().some(({ paint }) => paint === GAP);
+  const label = (/** @type {string} */ name) => (hasGaps ? t("curveWithGaps", { text: t(name) }) : t(name));
   if (!track.hasAngles) {
-    return [{ label: t("curvePlace"), height: 230, shades, curves: (motion) =>
+    return [{ label: label("curvePlace"), height: 230, shades, curves: (motion) =>
       of(motion).perBall((b) => of(motion).values("centre", 2 * b)) }];
   }
   /** @type {Panel[]} */
-  const panels = [{ label: t("curveAngle"), height: 230, shades, curves: (motion) => [
+  const panels = [{ label: label("curveAngle"), height: 230, shades, curves: (motion) => [
     ...of(motion).perBall((b) => of(motion).values("angle", b), 1 / DEGREE),
     ...of(motion).modelCurves(),
   ] }];
   if (track.model) {
-    panels.push({ label: t("curveResidual"), height: 140, shades, curves: (motion) =>
+    panels.push({ label: label("curveResidual"), height: 140, shades, curves: (motion) =>
       of(motion).perBall((b) => of(motion).residual(b)).slice(0, of(motion).model?.about.balls) });
   }
   if (track.isDriven) {

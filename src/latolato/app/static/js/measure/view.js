@@ -6,7 +6,7 @@ import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
 import { textOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
-import { sentenceInLanguage } from "../page/refusals.js";
+import { sentenceInLanguage, warningsText } from "../page/refusals.js";
 import { short } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
@@ -141,8 +141,7 @@ export class MeasureView {
     if (clip) this.sheet?.update(clip);
     const isGone = desk.epoch > 0 && !desk.hello;
     const warnings = clip?.mode === "result" ? clip.warnings : [];
-    this.notes.textContent = [...(isGone ? [t("offline")] : []),
-      ...warnings.map((text) => t("warning", { text }))].join(" ");
+    this.notes.textContent = [...(isGone ? [t("offline")] : []), warningsText(warnings)].join(" ").trim();
     const isAnswer = clip?.mode === "result";
     const text = isAnswer ? clip.finding.map(sentenceInLanguage).join(" ")
       : t(clip?.sheet ? "sheetFinding" : "findingHere");

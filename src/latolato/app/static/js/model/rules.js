@@ -69,8 +69,9 @@ export class InputError extends Error {
   /**
    * @param {string | Sentence} rule the rest of a sentence that begins with the parameter's name, or a whole
    *   one in which `{parameter}` stands for it
-   * @param {{parameter?: string, value?: any, wayOut?: string | Sentence, fields?: string[]}} [about] `value` is
-   *   what was given, `fields` name those of a map that hold what is wrong
+   * @param {{parameter?: string, value?: any, wayOut?: string | Sentence, fields?: string[], where?: string}}
+   *   [about] `value` is what was given, `fields` name those of a map that hold what is wrong, and `where` is the
+   *   file that holds it
    */
   constructor(rule, about = {}) {
     super(worded(rule, about, about.parameter, ENGLISH));
@@ -140,6 +141,7 @@ function worded(rule, about, name, language) {
         .replaceAll("{parameter}", String(name));
   if ("value" in about) text += `, ${language.word("got")} ${literal(about.value)}`;
   if (about.wayOut !== undefined) text += `; ${say(about.wayOut, language)}`;
+  if (about.where !== undefined) text = `${about.where}: ${text}`;
   return text.replace(/\s+/g, " ").trim();
 }
 

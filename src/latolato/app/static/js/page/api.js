@@ -4,22 +4,33 @@ import { InputError } from "../model/rules.js";
 import { unpack } from "./block.js";
 
 /** @typedef {import("../model/rules.js").Sentence} Sentence */
+/**
+ * Refused input, see `latolato.core.errors.InputError.parts`.
+ * @typedef {{rule: string | Sentence, parameter: string | null, where?: string, value?: any,
+ *   way_out?: string | Sentence}} Parts
+ */
+
+/**
+ * Return the error of refused input.
+ * @param {Parts} parts
+ */
+export function inputError({ rule, parameter, where, way_out: wayOut, ...more }) {
+  return new InputError(rule, { ...(parameter !== null && { parameter }), ...(where && { where }),
+    ...("value" in more && { value: more.value }), ...(wayOut && { wayOut }) });
+}
 
 /** A request that the server refused, with one line that says why. */
 export class Refusal extends Error {
   /**
    * @param {string} message
    * @param {string | null} [field] the option that it is about
-   * @param {{rule: string | Sentence, parameter: string | null, value?: any, way_out?: string | Sentence} | null}
-   *   [parts] of refused input, see `latolato.core.errors.InputError.parts`
+   * @param {Parts | null} [parts] of refused input
    */
   constructor(message, field = null, parts = null) {
     super(message);
     this.field = field;
     /** What the page says about it in its own words, where it can. */
-    this.input = parts && new InputError(parts.rule, {
-      ...(parts.parameter !== null && { parameter: parts.parameter }),
-      ...("value" in parts && { value: parts.value }), ...(parts.way_out && { wayOut: parts.way_out }) });
+    this.input = parts && inputError(parts);
   }
 }
 

@@ -134,14 +134,15 @@ function drawn({ values, turn = Infinity }) {
 }
 
 /**
- * Return the value at an instant, linear between samples.
+ * Return the value at an instant, linear between samples, NaN beside one that is unknown.
  * @param {ArrayLike<number>} times
  * @param {ArrayLike<number>} values
  * @param {number} time
  */
 export function valueAt(times, values, time) {
   const i = Math.max(Math.min(before(times, time), times.length - 2), 0);
-  return resampled([times[i], times[i + 1]], [values[i], values[i + 1]], [time])[0];
+  const [one, other] = [values[i] ?? NaN, values[i + 1] ?? NaN];
+  return time === times[i] ? one : resampled([times[i], times[i + 1]], [one, other], [time])[0];
 }
 
 /**
