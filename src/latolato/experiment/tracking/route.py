@@ -146,24 +146,19 @@ def velocities(
 
     Where no velocity is known it is NaN, and where no acceleration is it is 0.
     """
-    steps = np.full(places.shape, np.nan)
-    steps[1:] = np.diff(places, axis=0) / np.diff(times)[:, None, None]
-    before, after = steps, np.roll(steps, -1, axis=0)
-    after[-1] = np.nan
+    steps = np.full((len(places) + 1, *places.shape[1:]), np.nan)
+    steps[1:-1] = np.diff(places, axis=0) / np.diff(times)[:, None, None]
+    before, after = steps[:-1], steps[1:]
     interval = float(np.median(np.diff(times)))
     bends = (after - before) / interval
-    known = np.isfinite(bends).all(axis=-1)
-    typical = float(np.nanmedian(np.linalg.norm(bends, axis=-1))) if known.any() else 0.0
-    limit = max(4.0 * typical, 0.5 * radius / interval**2)
-    is_smooth = known & (np.linalg.norm(bends, axis=-1) <= limit)
+    rough = np.linalg.norm(bends, axis=-1)
+    known = np.isfinite(rough)
+    typical = float(np.median(rough[known])) if known.any() else 0.0
+    is_smooth = known & (rough <= max(4.0 * typical, 0.5 * radius / interval**2))
     # One side only: the one whose step is more like the step before it, or after it.
-    rough_before = np.linalg.norm(before - np.roll(before, 1, axis=0), axis=-1)
-    rough_after = np.linalg.norm(np.roll(after, -1, axis=0) - after, axis=-1)
-    rough_before[:2], rough_after[-2:] = np.inf, np.inf
-    with np.errstate(invalid="ignore"):
-        takes_before = np.nan_to_num(rough_before, nan=np.inf) <= np.nan_to_num(
-            rough_after, nan=np.inf
-        )
+    beside = np.full((len(places) + 2, places.shape[1]), np.inf)
+    beside[1:-1][known] = rough[known]
+    takes_before = beside[:-2] <= beside[2:]
     takes_before = np.where(np.isfinite(before).all(axis=-1), takes_before, False)
     takes_before |= ~np.isfinite(after).all(axis=-1)
     one_sided = np.where(takes_before[..., None], before, after)
