@@ -12,9 +12,11 @@ def parabola_top(x: Any, y: Any) -> tuple[float, float]:
 
     Those of the second sample where the parabola opens upwards.
     """
-    x, y = np.asarray(x, float), np.asarray(y, float)
-    a, b, c = np.polyfit(x - x[1], y, 2)
+    (x0, x1, x2), (y0, y1, y2) = (np.asarray(values, float).tolist() for values in (x, y))
+    early, late = (y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1)
+    a = (late - early) / (x2 - x0)
+    b = early + a * (x1 - x0)
     if a >= 0.0:
-        return float(x[1]), float(y[1])
-    top = float(np.clip(-b / (2.0 * a), x[0] - x[1], x[2] - x[1]))
-    return float(x[1] + top), float(a * top * top + b * top + c)
+        return x1, y1
+    top = min(max(-b / (2.0 * a), x0 - x1), x2 - x1)
+    return x1 + top, a * top * top + b * top + y1

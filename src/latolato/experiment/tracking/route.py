@@ -146,24 +146,19 @@ def velocities(
 
     Where no velocity is known it is NaN, and where no acceleration is it is 0.
     """
-    steps = np.full(places.shape, np.nan)
-    steps[1:] = np.diff(places, axis=0) / np.diff(times)[:, None, None]
-    before, after = steps, np.roll(steps, -1, axis=0)
-    after[-1] = np.nan
+    steps = np.full((len(places) + 1, *places.shape[1:]), np.nan)
+    steps[1:-1] = np.diff(places, axis=0) / np.diff(times)[:, None, None]
+    before, after = steps[:-1], steps[1:]
     interval = float(np.median(np.diff(times)))
     bends = (after - before) / interval
-    known = np.isfinite(bends).all(axis=-1)
-    typical = float(np.nanmedian(np.linalg.norm(bends, axis=-1))) if known.any() else 0.0
-    limit = max(4.0 * typical, 0.5 * radius / interval**2)
-    is_smooth = known & (np.linalg.norm(bends, axis=-1) <= limit)
+    rough = np.linalg.norm(bends, axis=-1)
+    known = np.isfinite(rough)
+    typical = float(np.median(rough[known])) if known.any() else 0.0
+    is_smooth = known & (rough <= max(4.0 * typical, 0.5 * radius / interval**2))
     # One side only: the one whose step is more like the step before it, or after it.
-    rough_before = np.linalg.norm(before - np.roll(before, 1, axis=0), axis=-1)
-    rough_after = np.linalg.norm(np.roll(after, -1, axis=0) - after, axis=-1)
-    rough_before[:2], rough_after[-2:] = np.inf, np.inf
-    with np.errstate(invalid="ignore"):
-        takes_before = np.nan_to_num(rough_before, nan=np.inf) <= np.nan_to_num(
-            rough_after, nan=np.inf
-        )
+    beside = np.full((len(places) + 2, places.shape[1]), np.inf)
+    beside[1:-1][known] = rough[known]
+    takes_before = beside[:-2] <= beside[2:]
     takes_before = np.where(np.isfinite(before).all(axis=-1), takes_before, False)
     takes_before |= ~np.isfinite(after).all(axis=-1)
     one_sided = np.where(takes_before[..., None], before, after)
@@ -234,10 +229,10 @@ def find_route(
     places = np.stack([track.places for track in tracks], axis=1)
     is_traced = []
     for b, track in enumerate(tracks):
-        traced, likeness = _traced(copies, clicks[b], number, size)
+        stays = not track.is_seen.any() or track.extent < _STAYS * size
+        traced, likeness = _traced(copies, clicks[b], number, size, 0.0 if stays else _SAME)
         known = traced[np.isfinite(traced[:, 0])]
-        stays = likeness > _SAME and extent_of(known) < _STAYS * size
-        stays |= not track.is_seen.any() or track.extent < _STAYS * size
+        stays |= likeness > _SAME and extent_of(known) < _STAYS * size
         is_traced.append(stays)
         if stays:
             places[:, b] = traced
@@ -368,38 +363,37 @@ def _bridged(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray
 
 
 def _traced(
-    copies: Copies, click: np.ndarray, number: int, radius: float
+    copies: Copies, click: np.ndarray, number: int, radius: float, least: float
 ) -> tuple[np.ndarray, float]:
     """Return places (frame, 2) of a ball that never leaves its place, by its picture at the click.
 
     Such a ball is in the median picture, so what differs from that is only its rim. How much it
-    typically looks like that picture comes second, 1 at most.
+    typically looks like that picture comes second, 1 at most. One that is less alike than `least`
+    in half of the frames is not traced any further.
     """
     cv2 = import_cv2()
-    shrink, count = copies.shrink, len(copies.pictures)
+    shrink, (count, rows, columns, _) = copies.shrink, copies.pictures.shape
     number = min(max(number, 0), count - 1)
     half = max(2, round(_PATCH * radius / shrink))
     reach = max(2, round(_STEP * radius / shrink))
-    padded = [
-        cv2.copyMakeBorder(picture, *(half + reach + 1,) * 4, cv2.BORDER_REPLICATE)
-        for picture in copies.pictures
-    ]
-    start = copies.small(click) + half + reach + 1
-    patch = cv2.getRectSubPix(padded[number], (2 * half + 1,) * 2, tuple(start.tolist()))
+    start = at = copies.small(click)
+    # Beyond the picture its rim goes on.
+    patch = cv2.getRectSubPix(copies.pictures[number], (2 * half + 1,) * 2, start.tolist())
     out, scores = np.full((count, 2), np.nan), np.zeros(count)
-    for frames in (range(number, count), range(number - 1, -1, -1)):
-        at = start.copy()
-        for frame in frames:
-            u, v = np.rint(at).astype(int)
-            part = padded[frame][
-                v - half - reach : v + half + reach + 1, u - half - reach : u + half + reach + 1
-            ]
-            if min(part.shape[:2]) < 2 * half + 1:
-                break
-            match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
-            _, scores[frame], _, (x, y) = cv2.minMaxLoc(match)
-            at = np.array([u - reach + _top(match[y], x), v - reach + _top(match[:, x], y)])
-            out[frame] = (at - half - reach - 1 + 0.5) * shrink - 0.5
+    unlike = 0
+    for frame in (*range(number, count), *range(number - 1, -1, -1)):
+        at = start if frame in (number, number - 1) else at
+        u, v = np.rint(at).tolist()
+        if not (0 <= u < columns and 0 <= v < rows):
+            continue
+        part = cv2.getRectSubPix(copies.pictures[frame], (2 * (half + reach) + 1,) * 2, (u, v))
+        match = cv2.matchTemplate(part, patch, cv2.TM_CCOEFF_NORMED)
+        _, scores[frame], _, (x, y) = cv2.minMaxLoc(match)
+        at = np.array([u - reach + _top(match[y], x), v - reach + _top(match[:, x], y)])
+        out[frame] = (at + 0.5) * shrink - 0.5
+        unlike += scores[frame] < least
+        if unlike > count / 2:
+            break
     return out, float(np.median(scores))
 
 

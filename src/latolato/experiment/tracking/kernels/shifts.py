@@ -127,7 +127,7 @@ def search_shift(
 
     Every `stride`-th pixel is looked at.
     """
-    height, width = plane.shape
+    height, width = np.uint64(plane.shape[0]), np.uint64(plane.shape[1])
     most = (model.shape[0] // stride + 1) * (model.shape[1] // stride + 1)
     column, row = np.empty(most, np.int64), np.empty(most, np.int64)
     value, share = np.empty(most, np.float32), np.empty(most, np.float32)
@@ -149,8 +149,9 @@ def search_shift(
         )
         cost = np.float32(0.0)
         for n in range(count):
-            x, y = left + column[n], top + row[n]
-            if not is_inside and (x < 0 or y < 0 or x >= width or y >= height):
+            # Without a sign numbers do not count from the end; negative ones lie beyond it.
+            x, y = np.uint64(left + column[n]), np.uint64(top + row[n])
+            if not is_inside and (x >= width or y >= height):
                 cost += one
                 continue
             r = np.float32(plane[y, x]) - value[n]
