@@ -14,7 +14,6 @@ from __future__ import annotations
 import dataclasses
 import time
 import warnings
-from collections.abc import Collection
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -167,8 +166,9 @@ FILMS: dict[str, Limits] = {
     "tilted two": Limits(0.74, ok=0.97, ratio=(0.2, 2.0), former=1.199),
 }  # fmt: skip
 
-# Between them: contacts, a wall with shadows, motion blur, a hidden ball.
-QUICK = ("texture two", "blur one", "occluded one")
+# Which part of a clip `make test` films, to the same limits. Between them: contacts, a wall with
+# shadows, motion blur, a hidden ball.
+QUICK = {"texture two": 0.65, "blur one": 0.4, "occluded one": 0.4}
 
 
 @dataclass(frozen=True)
@@ -197,15 +197,15 @@ class _Accuracy:
         return 1e-3 * self.rms / self.sigma
 
 
-def _synthesised(name: str, folder: Path) -> _Clip:
-    """Film under a condition."""
+def _synthesised(name: str, folder: Path, part: float = 1.0) -> _Clip:
+    """Film under a condition, or only the first part of it."""
     condition, balls, *optics = name.split()
     system, ratio, angle = (TWO, 2.3, 0.9) if balls == "two" else (ONE, 1.95, 0.6)
     drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=ratio * system.natural_frequency)
     if balls == "free":
-        run = ll.simulate(system, None, initial_angle=0.7, duration=5.0)
+        run = ll.simulate(system, None, initial_angle=0.7, duration=5.0 * part)
     else:
-        run = ll.simulate(system, drive, initial_angle=angle, duration=4.0)
+        run = ll.simulate(system, drive, initial_angle=angle, duration=4.0 * part)
     scene, camera = conditions[condition].make(scene={"ball_radius": 0.02})
     path = folder / "clip.mp4"
     truth = synthesise_video(run, path, scene, camera, seed=7)
@@ -278,26 +278,29 @@ def _check(name: str, clip: _Clip, limits: Limits) -> None:
     assert limits.warns in told
 
 
-def _rows(table: dict[str, Limits], quick: Collection[str] = ()) -> list[Any]:
-    """Names of clips, slow but for a few."""
+def _rows(table: dict[str, Limits]) -> list[Any]:
+    """Names of clips."""
     rows = []
     for name, limits in table.items():
-        marks = [] if name in quick else [pytest.mark.slow]
-        if limits.fails:
-            marks.append(
-                pytest.mark.xfail(
-                    reason=limits.fails, raises=(AssertionError, InputError), strict=True
-                )
-            )
-        rows.append(pytest.param(name, marks=marks))
+        fails = pytest.mark.xfail(
+            reason=limits.fails, raises=(AssertionError, InputError), strict=True
+        )
+        rows.append(pytest.param(name, marks=[fails] if limits.fails else []))
     return rows
 
 
-@pytest.mark.parametrize("name", _rows(SYNTHETIC, QUICK))
+@pytest.mark.parametrize("name", _rows({name: SYNTHETIC[name] for name in QUICK}))
+def test_a_part_of_a_clip_is_measured_as_well_as_all_of_it(name, tmp_path):
+    _check(name, _synthesised(name, tmp_path, QUICK[name]), SYNTHETIC[name])
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", _rows(SYNTHETIC))
 def test_clips_of_all_conditions_are_measured_well(name, tmp_path):
     _check(name, _synthesised(name, tmp_path), SYNTHETIC[name])
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("name", _rows(FILMS))
 def test_films_of_another_renderer_are_measured_well(name, tmp_path):
     _check(name, _filmed(name, tmp_path), FILMS[name])

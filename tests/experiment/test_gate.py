@@ -117,13 +117,12 @@ def test_a_click_on_a_textured_wall_is_not_followed(film, click):
 def test_a_wrong_radius_is_refused_with_both_radii(film, capsys, tmp_path):
     path, attrs = film("plain")
     pivot, ball = _place(attrs, "pivot"), _place(attrs, "ball_1")
-    _assert_refused(path, pivot, ball, "declared radius is", length=SWING.length, radius=0.04)
     assert _ok_share(path, pivot, ball, length=SWING.length, radius=0.01) < 0.05
     output = tmp_path / "none.csv"
     clicks = ["--pivot", "{:g},{:g}".format(*pivot), "--ball", "{:g},{:g}".format(*ball)]
     arguments = ["--length", "36.3 cm", "--radius", "4 cm", "--output", str(output)]
     assert main(["track", str(path), *clicks, *arguments]) == 2
-    assert "check radius and length" in capsys.readouterr().err
+    assert re.search("declared radius is.*check radius and length", capsys.readouterr().err)
     assert not list(tmp_path.iterdir())
 
 
@@ -365,10 +364,19 @@ ODD = {
     "black": {"ball_colour": "#101010", "background": "texture"},
     "banded": {"pattern": 0.5},
 }
+# These have what the gate looks at, each in another way: walls and balls that look alike or change,
+# smears, noise, time stamps, pictures that are turned or bent, balls that are hidden or meet.
+QUICK = {
+    *("wood", "variable", "rotated", "blur", "lowlight", "compressed", "lens", "mirror"),
+    *("occluded-two", "steel-two"),
+}
 FILMED = [
-    *(pytest.param(SWING, name, {}, id=name) for name in conditions),
-    *(pytest.param(SWING, "clean", scene, id=name) for name, scene in ODD.items()),
-    *(pytest.param(TOY, name, {}, id=f"{name}-two") for name in ("clean", "occluded", "steel")),
+    pytest.param(*values, id=name, marks=[] if name in QUICK else [pytest.mark.slow])
+    for name, values in (
+        {name: (SWING, name, {}) for name in conditions}
+        | {name: (SWING, "clean", scene) for name, scene in ODD.items()}
+        | {f"{name}-two": (TOY, name, {}) for name in ("clean", "occluded", "steel")}
+    ).items()
 ]
 
 
@@ -377,7 +385,7 @@ FILMED = [
 def test_every_way_of_filming_passes_the_gate_whole(system, name, scene, tmp_path, monkeypatch):
     turned = conditions[name].make()[1].rotation in (90, 270)
     size = {"width": 360, "height": 480} if turned else {"width": 480, "height": 360}
-    run = ll.simulate(system, DRIVE, initial_angle=0.9, duration=1.2)
+    run = ll.simulate(system, DRIVE, initial_angle=0.9, duration=0.8)
     made = conditions[name].make({"ball_radius": 0.02, **scene}, size)
     path = tmp_path / "clip.mp4"
     clicks = synthesise_video(run, path, *made, seed=3).attrs

@@ -1,13 +1,14 @@
-"""Drives that a user brings: classes with formulas and numbers of their own, one periodic."""
+"""Drives that a user brings: that of the page on drives, and a periodic one."""
 
 import json
 import math
 import subprocess
 import sys
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from types import ModuleType
 from typing import NamedTuple
+from unittest import mock
 
 import numpy as np
 import pytest
@@ -26,55 +27,9 @@ from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.run_request import RunRequest
 from latolato.app.runs import compute
-from latolato.core.quantities import NON_NEGATIVE, UNIT_INTERVAL, quantity_field
+from latolato.core.quantities import UNIT_INTERVAL, quantity_field
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, PeriodicDrive, drives
-
-
-class Beat(NamedTuple):
-    """Two cosines of one amplitude."""
-
-    start: float
-    amplitude: float
-    slow: float
-    fast: float
-
-
-@formula
-def height(t, p):
-    return p.amplitude * (cosine(p.slow * t) + cosine(p.fast * t))
-
-
-@formula
-def velocity(t, p):
-    return -p.amplitude * (p.slow * sine(p.slow * t) + p.fast * sine(p.fast * t))
-
-
-@formula
-def acceleration(t, p):
-    return -p.amplitude * (p.slow**2 * cosine(p.slow * t) + p.fast**2 * cosine(p.fast * t))
-
-
-@dataclass(frozen=True, kw_only=True)
-class Beating(Drive):
-    height = staticmethod(height)
-    velocity = staticmethod(velocity)
-    acceleration = staticmethod(acceleration)
-
-    drive_amplitude: float = quantity_field("drive_amplitude", NON_NEGATIVE)
-    slow: float = quantity_field("drive_frequency", NON_NEGATIVE)
-    fast: float = quantity_field("drive_frequency", NON_NEGATIVE)
-
-    def segments(self, duration):
-        return [Beat(0.0, self.drive_amplitude, self.slow, self.fast)]
-
-    @property
-    def fastest_frequency(self):
-        return max(self.slow, self.fast)
-
-    @property
-    def largest_acceleration(self):
-        return self.drive_amplitude * (self.slow**2 + self.fast**2)
 
 
 class Tone(NamedTuple):
@@ -132,44 +87,44 @@ TOY = ll.LatoLato(length=0.245, mass=0.1, damping=0.005, radius=0.02, restitutio
 RUN = {"initial_angle": 0.7, "duration": 5.0}
 
 
+@pytest.fixture(scope="module")
+def own():
+    """The example of the page on drives, run as printed."""
+    page = Path(__file__).parents[2] / "docs" / "how-to" / "drives.md"
+    section = page.read_text(encoding="utf-8").split("## Use your own motion\n")[1]
+    # Its class lives in a module, as a user's does.
+    module = ModuleType("own")
+    module.ll = ll
+    with (
+        mock.patch.dict(sys.modules, own=module),
+        mock.patch.object(drives, "_entries", dict(drives._entries)),
+    ):
+        exec(section.split("```python\n")[1].split("```")[0], vars(module))
+        yield module
+
+
 @pytest.fixture(autouse=True)
 def known(monkeypatch, forget):
     """Only these tests know the drives: others range over all registered ones."""
     monkeypatch.setattr(drives, "_entries", dict(drives._entries))
-    drives.register("beating")(Beating)
     drives.register("sharp")(Sharp)
     forget()
 
 
-def test_a_drive_of_ones_own_moves_the_toy_like_the_packages_own():
-    # Two equal cosines of half the amplitude are the harmonic drive.
-    own = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=15.1, fast=15.1), **RUN)
-    known = ll.simulate(TOY, ll.Harmonic(drive_amplitude=0.02, drive_frequency=15.1), **RUN)
-    assert own.sizes["contact"] == known.sizes["contact"] > 5
+def test_a_drive_of_ones_own_moves_the_toy_like_the_packages_own(own):
+    # One that does not fade is the harmonic drive.
+    shaken = {"drive_amplitude": 0.02, "drive_frequency": 15.1}
+    mine = ll.simulate(TOY, own.Fading(**shaken, fading_rate=0.0), **RUN)
+    known = ll.simulate(TOY, ll.Harmonic(**shaken), **RUN)
+    assert mine.sizes["contact"] == known.sizes["contact"] > 5
     # Same formulas up to the order of a product; 10 impacts in 5 s enlarge roundings a little.
     for name in ("angle", "pivot_height", "pivot_velocity", "pivot_acceleration", "drive_work"):
         scale = float(np.max(np.abs(known[name])))
-        np.testing.assert_allclose(own[name], known[name], rtol=0.0, atol=1e-10 * scale)
+        np.testing.assert_allclose(mine[name], known[name], rtol=0.0, atol=1e-10 * scale)
 
 
-def test_a_beat_closes_the_ledger_where_the_packages_drives_cannot():
-    run = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=11.0, fast=15.1), **RUN)
-    assert run.pivot_height[0] == pytest.approx(0.02, abs=1e-15)
-    # The ledger's relative error at the default tolerance of 1e-10, with room.
-    assert run.attrs["energy_residual"] < 1e-9
-
-
-def test_the_drive_of_the_page_on_drives_runs_as_printed():
-    page = Path(__file__).parents[2] / "docs" / "how-to" / "drives.md"
-    section = page.read_text(encoding="utf-8").split("## Use your own motion\n")[1]
-    # Its class lives in a module, as a user's does.
-    own = ModuleType("own")
-    own.ll = ll
-    sys.modules["own"] = own
-    try:
-        exec(section.split("```python\n")[1].split("```")[0], vars(own))
-    finally:
-        del sys.modules["own"]
+def test_the_drive_of_the_page_on_drives_runs_as_printed(own):
+    assert own.run.pivot_height[0] == pytest.approx(0.03, abs=1e-15)
     assert own.run.attrs["energy_residual"] < 1e-9
     heights = own.run.pivot_height.values
     # Differences of 100 samples per period err by 2e-4 of the slope.
@@ -179,29 +134,28 @@ def test_the_drive_of_the_page_on_drives_runs_as_printed():
     np.testing.assert_allclose(slope[1:-1], own.run.pivot_acceleration.values[1:-1], atol=1e-2)
 
 
-def test_a_drive_of_ones_own_is_swept_along_its_own_parameters():
-    slow = np.array([11.0, 13.0])
-    drive = Beating(drive_amplitude=0.01, slow=11.0, fast=15.1)
+def test_a_drive_of_ones_own_is_swept_along_its_own_parameters(own):
+    rates = np.array([0.2, 0.4])
+    drive = own.Fading(drive_amplitude=0.02, drive_frequency=15.1, fading_rate=0.2)
     run = {"initial_angle": 0.7, "duration": 1.0, "tolerance": 1e-8}
-    grid = ll.sweep(
-        TOY, drive, axes={"slow": slow}, observables=["final_angle"], executor="reference", **run
-    )
-    for value, found in zip(slow, grid.final_angle.values, strict=True):
-        one = ll.simulate(TOY, Beating(drive_amplitude=0.01, slow=value, fast=15.1), **run)
+    axes, seen = {"fading_rate": rates}, ["final_angle"]
+    grid = ll.sweep(TOY, drive, axes=axes, observables=seen, executor="reference", **run)
+    for value, found in zip(rates, grid.final_angle.values, strict=True):
+        one = ll.simulate(TOY, replace(drive, fading_rate=value), **run)
         # Two impacts at a tolerance of 1e-8; `simulate` may halve the step, a sweep does not.
         assert found == pytest.approx(float(one.angle[-1]), abs=1e-7)
 
 
-def test_a_drive_without_bounds_or_with_former_jumps_is_refused():
-    class Boundless(Beating):
+def test_a_drive_without_bounds_or_with_former_jumps_is_refused(own):
+    class Boundless(own.Fading):
         fastest_frequency = Drive.fastest_frequency
 
-    found = Boundless(drive_amplitude=0.1, slow=3.0, fast=4.0)
+    found = Boundless(drive_amplitude=0.1, drive_frequency=3.0, fading_rate=0.0)
     with pytest.raises(TypeError, match="must define fastest_frequency and largest_acceleration"):
         ll.simulate(ll.Pendulum(length=1.0, mass=1.0), found, initial_angle=0.1, duration=1.0)
     with pytest.raises(TypeError, match="a segment has its `jump`"):
 
-        class Jumping(Beating):
+        class Jumping(own.Fading):
             def velocity_jumps(self, duration):
                 return [0.0]
 
@@ -301,8 +255,9 @@ def test_it_has_a_form_and_runs_in_the_app():
 
 def test_the_command_line_knows_it(tmp_path):
     program = (
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parent)!r})\n"
-        "from test_drive import Sharp, drives\n"
+        # The name of this module is in the keys of its kernels, which are compiled already.
+        f"import sys; sys.path.insert(0, {str(Path(__file__).parents[2])!r})\n"
+        f"from {__name__} import Sharp, drives\n"
         "drives.register('sharp')(Sharp)\n"
         "from latolato.cli.main import main\nmain()"
     )
