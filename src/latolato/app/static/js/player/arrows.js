@@ -6,7 +6,7 @@ import { drawsCrank, drawsWheel } from "./pivot.js";
 import { line, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./canvas.js").Scale} Scale */
+/** @typedef {import("./canvas.js").Drawing} Drawing */
 
 // Lengths of arrows, in lengths of the longest rod: of the fastest ball of the run, of its weight,
 // and the most that a force gets.
@@ -88,12 +88,10 @@ export function arrowsAt(motion, time, fastest) {
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {ReturnType<typeof arrowsAt>} arrows
- * @param {Record<string, string>} colours
  */
-export function drawArrows(context, scale, arrows, colours) {
+export function drawArrows({ context, scale, colours }, arrows) {
   for (const { paint, x, y, dx, dy } of arrows)
     drawArrow(context, place(scale, x, y), scale.size * dx, -scale.size * dy, scale.ratio, colours[paint]);
 }

@@ -5,6 +5,9 @@
 /**
  * How many pixels a metre and a pixel of the page are, and where the origin lies, in pixels.
  * @typedef {{size: number, ratio: number, x: number, y: number}} Scale
+ *
+ * What the parts of a scene are drawn with; colours are those of the page, by their names.
+ * @typedef {{context: CanvasRenderingContext2D, scale: Scale, colours: Record<string, string>}} Drawing
  */
 
 // Around the box, as a share of it.

@@ -8,7 +8,7 @@ import { line, place } from "./canvas.js";
 import { short } from "../page/unit_text.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./canvas.js").Scale} Scale */
+/** @typedef {import("./canvas.js").Drawing} Drawing */
 /**
  * A pose in which one ball is led: its number, and the text that stands beside it.
  * @typedef {import("./motion.js").Pose & {led: number, text: string}} LedBall
@@ -71,26 +71,24 @@ export function sagOf(across, rise, length) {
 
 /**
  * Draw what the balls of a pose hang on.
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {import("./motion.js").Pose} pose
  * @param {{isString: boolean, longest: number}} motion
- * @param {Record<string, string>} colours
  */
-export function drawHangers(context, scale, pose, { isString, longest }, colours) {
+export function drawHangers(drawing, pose, { isString, longest }) {
+  const { context, scale, colours } = drawing;
   const [share, least] = WIDTHS[isString ? "string" : "rod"];
   context.strokeStyle = isString ? colours.soft : colours.ink;
   context.lineWidth = Math.max(least * scale.ratio, share * longest * scale.size);
-  drawLines(context, scale, pose);
+  drawLines(drawing, pose);
 }
 
 /**
  * Draw lines from the pivot to the balls, slack ones in an arc.
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {import("./motion.js").Pose} pose
  */
-export function drawLines(context, scale, { across, height, balls }) {
+export function drawLines({ context, scale }, { across, height, balls }) {
   const pivot = place(scale, across, height);
   for (const { ball, x, y, distance } of balls) {
     const [bx, by] = place(scale, x, y);
@@ -109,13 +107,11 @@ export function drawLines(context, scale, { across, height, balls }) {
 
 /**
  * Draw the angle of the ball that is led, and write it.
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {LedBall} held
  * @param {Motion} motion
- * @param {Record<string, string>} colours
  */
-export function drawAngle(context, scale, { across, height, balls, led, text }, motion, colours) {
+export function drawAngle({ context, scale, colours }, { across, height, balls, led, text }, motion) {
   const { ball, angle, x, y } = balls[led];
   const { size, ratio } = scale;
   const [px, py] = place(scale, across, height);

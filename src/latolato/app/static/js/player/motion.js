@@ -16,9 +16,6 @@ const BOX_SAMPLES = 4000;
 const STRETCH = 4;
 // Kinds of contact above this one are those of strings.
 const RELEASE = 3;
-const SLACK = 4;
-// A ball that tightens its string at less than this share of a swing's speed is not marked.
-const TUG = 0.1;
 
 /**
  * Return the first of so many places from which on something holds, their number if it holds at none.
@@ -60,15 +57,6 @@ export function range(values, from = 0, to = values.length) {
   }
   return low <= high ? [low, high] : [0, 0];
 }
-
-/**
- * Return whether a string goes slack at a contact of this kind, or tightens with a tug that can be felt.
- * @param {number} kind
- * @param {number} speed of the ball along its string [m/s]
- * @param {number} swing speed of a swing [m/s]
- */
-export const isFelt = (kind, speed, swing) =>
-  kind === SLACK || (kind > SLACK && Math.abs(speed) > TUG * swing);
 
 /**
  * Return an angle within (-180°, 180°].
@@ -322,16 +310,6 @@ export class Motion {
   ballsAt(k) {
     const number = this.values("contact_ball")?.[k] ?? 0;
     return number > 0 ? [this.balls[number - 1]] : this.balls;
-  }
-
-  /**
-   * Return whether a contact of a ball's string is felt.
-   * @param {MotionBall} ball
-   * @param {number} k
-   */
-  pullsAt(ball, k) {
-    return isFelt(this.block.arrays.contact_kind[k], this.values("radial_velocity_before", ball.row)?.[k] ?? 0,
-      this.naturalFrequency * ball.length);
   }
 
   /**

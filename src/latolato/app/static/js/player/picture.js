@@ -55,7 +55,7 @@ export async function stagePicture(scene, { title, caption }) {
   context.save();
   context.rect(0, 0, width, height);
   context.clip();
-  scene.paint(context, scene.scale(width, height, RATIO));
+  scene.paint({ context, scale: scene.scale(width, height, RATIO), colours: scene.colours });
   context.restore();
   context.fillStyle = paint("tint");
   context.fillRect(0, height, width, canvas.height - height);

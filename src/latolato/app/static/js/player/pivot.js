@@ -6,7 +6,8 @@
 import { line, place } from "./canvas.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
-/** @typedef {import("./canvas.js").Scale} Scale */
+/** @typedef {import("./motion.js").Pose} Pose */
+/** @typedef {import("./canvas.js").Drawing} Drawing */
 
 // Between the wheel and the pivot, in lengths of the longest rod.
 const GAP = 0.2;
@@ -46,13 +47,13 @@ export function handBox(size) {
 
 /**
  * Draw the arm, which belongs behind rods and balls.
- * @param {CanvasRenderingContext2D} context
- * @param {[number, number]} pivot in pixels
- * @param {number} size of the fist in pixels
- * @param {Record<string, string>} colours
+ * @param {Drawing} drawing
+ * @param {Pose} pose
+ * @param {number} size of the fist in m
  */
-export function drawArm(context, pivot, size, colours) {
-  begin(context, pivot, size, colours);
+export function drawArm(drawing, pose, size) {
+  const { context, colours } = drawing;
+  begin(drawing, pose, size);
   context.rotate(-RISE);
   block(context, 0.3, -0.52, 1.6, 1.04, 0.3);
   context.fillStyle = colours.sleeve;
@@ -63,13 +64,13 @@ export function drawArm(context, pivot, size, colours) {
 
 /**
  * Draw the fist, which holds the ends of the rods.
- * @param {CanvasRenderingContext2D} context
- * @param {[number, number]} pivot in pixels
- * @param {number} size of the fist in pixels
- * @param {Record<string, string>} colours
+ * @param {Drawing} drawing
+ * @param {Pose} pose
+ * @param {number} size of the fist in m
  */
-export function drawFist(context, pivot, size, colours) {
-  begin(context, pivot, size, colours);
+export function drawFist(drawing, pose, size) {
+  const { context } = drawing;
+  begin(drawing, pose, size);
   block(context, -0.98, -0.7, 1.94, 1.45, 0.5);
   for (const [left, width, top, bottom] of FINGERS)
     block(context, left, top, width, bottom - top, 0.22);
@@ -82,15 +83,14 @@ export function drawFist(context, pivot, size, colours) {
 
 /**
  * Go to coordinates in which the fist is two wide; the caller restores the context.
- * @param {CanvasRenderingContext2D} context
- * @param {[number, number]} pivot
+ * @param {Drawing} drawing
+ * @param {Pose} pose
  * @param {number} size
- * @param {Record<string, string>} colours
  */
-function begin(context, pivot, size, colours) {
+function begin({ context, scale, colours }, { across, height }, size) {
   context.save();
-  context.translate(...pivot);
-  context.scale(size, size);
+  context.translate(...place(scale, across, height));
+  context.scale(size * scale.size, size * scale.size);
   context.lineWidth = LINE;
   context.strokeStyle = colours["skin-line"];
   context.fillStyle = colours.skin;
@@ -143,25 +143,24 @@ export function moverBox(motion, withWheel) {
 
 /**
  * Draw what moves the pivot.
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {Motion} motion
  * @param {number} time
- * @param {Record<string, string>} colours
  * @param {boolean} withWheel
  */
-export function drawMover(context, scale, motion, time, colours, withWheel) {
+export function drawMover(drawing, motion, time, withWheel) {
+  const { context, scale, colours } = drawing;
   const { about: { options }, pivotRange: [low, high], longest } = motion;
   const unit = longest * scale.size;
   const { height } = motion.pose(time);
   context.strokeStyle = colours.line;
   context.lineWidth = Math.max(4 * scale.ratio, 0.03 * unit);
-  if (options.drive === "planar_harmonic") drawEllipse(context, scale, options);
+  if (options.drive === "planar_harmonic") drawEllipse(drawing, options);
   else line(context, ...place(scale, 0, low), ...place(scale, 0, high));
   context.lineWidth = Math.max(scale.ratio, 0.008 * unit);
   if (drawsCrank(motion)) {
     const { center, pin } = crank(options, time);
-    drawWheel(context, scale, center, pin, unit, colours.soft);
+    drawWheel(drawing, center, pin, unit);
     line(context, ...place(scale, ...pin), ...place(scale, 0, height));
     return;
   }
@@ -172,17 +171,16 @@ export function drawMover(context, scale, motion, time, colours, withWheel) {
   const up = height - middle;
   const across = Math.sqrt(Math.max(radius * radius - up * up, 0))
     * (motion.at("pivot_velocity", time) > 0 ? -1 : 1);
-  drawWheel(context, scale, [away, middle], [away + across, height], unit, colours.soft);
+  drawWheel(drawing, [away, middle], [away + across, height], unit);
   line(context, ...place(scale, away + across, height), ...place(scale, 0, height));
 }
 
 /**
  * Draw the way of a pivot that moves on an ellipse.
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {any} options
  */
-function drawEllipse(context, scale, { horizontal_amplitude: a, vertical_amplitude: b,
+function drawEllipse({ context, scale }, { horizontal_amplitude: a, vertical_amplitude: b,
   horizontal_phase: lead = 0, vertical_phase: phase = 0 }) {
   context.beginPath();
   for (let k = 0; k <= CORNERS; k += 1) {
@@ -193,21 +191,19 @@ function drawEllipse(context, scale, { horizontal_amplitude: a, vertical_amplitu
 }
 
 /**
- * @param {CanvasRenderingContext2D} context
- * @param {Scale} scale
+ * @param {Drawing} drawing
  * @param {[number, number]} center in m
  * @param {[number, number]} pin
  * @param {number} unit longest rod in pixels
- * @param {string} paint
  */
-function drawWheel(context, scale, center, pin, unit, paint) {
+function drawWheel({ context, scale, colours }, center, pin, unit) {
   const radius = Math.hypot(pin[0] - center[0], pin[1] - center[1]) * scale.size;
   context.beginPath();
   context.arc(...place(scale, ...center), radius, 0, 2 * Math.PI);
   context.stroke();
   context.beginPath();
   context.arc(...place(scale, ...pin), Math.max(2 * scale.ratio, 0.014 * unit), 0, 2 * Math.PI);
-  context.fillStyle = paint;
+  context.fillStyle = colours.soft;
   context.fill();
 }
 

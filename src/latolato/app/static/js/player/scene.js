@@ -12,9 +12,8 @@ import { boxAbout, fitScale, joined, place } from "./canvas.js";
 /** @typedef {import("./motion.js").Pose} Pose */
 /** @typedef {import("./hang.js").LedBall} LedBall */
 
-// Kinds of contact up to this one are impacts, above that one they are those of strings.
+// Kinds of contact up to this one are impacts.
 const TOP = 1;
-const RELEASE = 3;
 // Smaller balls are drawn this large [pixels of the page].
 const LEAST_RADIUS = 4;
 // A flash goes on while the run stands still; another picture comes before that when it plays.
@@ -76,43 +75,20 @@ export class Scene {
   }
 
   /**
-   * Draw an instant; contacts since the last one flash.
+   * Draw an instant; the last clack since the one before flashes.
    * @param {number} time
    */
   move(time) {
     const { motion } = this;
     if (motion?.contacts.length && time > this.time && time - this.time < 1) {
       for (let k = before(motion.contacts, time); motion.contacts[k] > this.time; k -= 1) {
-        if (motion.contacts[k] > time) continue;
-        if (this.mark(k)) break;
+        if (motion.contacts[k] > time || motion.block.arrays.contact_kind[k] > TOP) continue;
+        this.flash(motion.pose(motion.contacts[k]), motion.closingSpeed(k));
+        break;
       }
     }
     this.time = time;
     this.draw();
-  }
-
-  /**
-   * Show a contact; returns whether it was a clack.
-   * @param {number} k its number
-   */
-  mark(k) {
-    const motion = /** @type {Motion} */ (this.motion);
-    const kind = motion.block.arrays.contact_kind[k];
-    if (kind > TOP && kind <= RELEASE) return false;
-    const pose = motion.pose(motion.contacts[k]);
-    if (kind <= TOP) this.flash(pose, motion.closingSpeed(k));
-    else this.ring(pose, motion.ballsAt(k).filter((ball) => motion.pullsAt(ball, k)));
-    return kind <= TOP;
-  }
-
-  /**
-   * Ring balls whose strings go slack or taut.
-   * @param {Pose} pose
-   * @param {import("./motion.js").MotionBall[]} balls
-   */
-  ring(pose, balls) {
-    for (const { ball, x, y } of pose.balls)
-      if (balls.includes(ball)) this.flashes.ring({ x, y }, this.motion?.radius(ball) ?? 0);
   }
 
   /**
@@ -178,30 +154,28 @@ export class Scene {
     if (!this.colours.ink || !pose) return;
     const scale = this.scale();
     this.drawn = placed(scale, pose);
-    if (this.paint(context, scale)) this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
+    if (this.paint({ context, scale, colours: this.colours })) this.timer = setTimeout(() => this.draw(), NEXT_FLASH);
   }
 
   /**
    * Draw everything, the hand's arm at the back and the balls before the fist: it never hides one.
    * Returns whether something flashes.
-   * @param {CanvasRenderingContext2D} context
-   * @param {Scale} scale
+   * @param {import("./canvas.js").Drawing} drawing
    */
-  paint(context, scale) {
-    const { motion, arrows, colours, time } = this;
+  paint(drawing) {
+    const { motion, arrows, time, fist } = this;
+    const { context, scale, colours } = drawing;
     const pose = this.pose();
     if (!motion || !pose) return false;
     const { size, ratio } = scale;
-    const unit = motion.longest * size;
-    const pivot = place(scale, pose.across, pose.height);
     context.lineCap = context.lineJoin = "round";
-    if (this.pinned && time <= this.pinned.end) this.paintPinned(context, scale, this.pinned);
-    drawMover(context, scale, motion, time, colours, arrows !== null);
-    drawArm(context, pivot, this.fist * size, colours);
-    if (!this.held) drawTrails(context, scale, motion, time, colours);
+    if (this.pinned && time <= this.pinned.end) this.paintPinned(drawing, this.pinned);
+    drawMover(drawing, motion, time, arrows !== null);
+    drawArm(drawing, pose, fist);
+    if (!this.held) drawTrails(drawing, motion, time);
     const balls = placed(scale, pose);
-    drawHangers(context, scale, pose, motion, colours);
-    drawFist(context, pivot, this.fist * size, colours);
+    drawHangers(drawing, pose, motion);
+    drawFist(drawing, pose, fist);
     context.strokeStyle = colours.ink;
     context.lineWidth = ratio;
     pose.balls.forEach(({ ball }, i) => {
@@ -213,29 +187,29 @@ export class Scene {
       context.stroke();
     });
     if (this.held) {
-      drawAngle(context, scale, this.held, motion, colours);
+      drawAngle(drawing, this.held, motion);
       return false;
     }
     if (arrows) {
       // The fastest ball of a motion that grows may be yet to come.
       if (motion.grows || !this.fastest) this.fastest = arrows.topSpeed(motion);
-      arrows.drawArrows(context, scale, arrows.arrowsAt(motion, time, this.fastest), colours);
+      arrows.drawArrows(drawing, arrows.arrowsAt(motion, time, this.fastest));
     }
-    return this.flashes.draw(context, scale, unit, colours.flash);
+    return this.flashes.draw(drawing, motion.longest * size);
   }
 
   /**
    * Draw a pinned run in outline.
-   * @param {CanvasRenderingContext2D} context
-   * @param {Scale} scale
+   * @param {import("./canvas.js").Drawing} drawing
    * @param {Motion} motion
    */
-  paintPinned(context, scale, motion) {
+  paintPinned(drawing, motion) {
+    const { context, scale, colours } = drawing;
     const pose = motion.pose(this.time);
-    context.strokeStyle = this.colours.soft;
+    context.strokeStyle = colours.soft;
     context.lineWidth = 1.2 * scale.ratio;
     context.setLineDash([5 * scale.ratio, 4 * scale.ratio]);
-    drawLines(context, scale, pose);
+    drawLines(drawing, pose);
     for (const { ball, x, y } of pose.balls) {
       const [bx, by] = place(scale, x, y);
       context.beginPath();

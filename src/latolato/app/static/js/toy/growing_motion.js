@@ -1,7 +1,7 @@
 /** The motion of a toy that a hand holds, with what the stage and the curves ask of a run: it grows. */
 
 import { ballsOf } from "../model/run_block.js";
-import { fromBottom, isFelt, poseOf, range, SHOWN_RADIUS } from "../player/motion.js";
+import { fromBottom, poseOf, range, SHOWN_RADIUS } from "../player/motion.js";
 import { Log } from "../player/events.js";
 
 /** @typedef {import("../player/motion.js").MotionBall} MotionBall */
@@ -26,15 +26,10 @@ export class GrowingMotion {
     this.balls = ballsOf(toy.system);
     /** What the balls did. */
     this.log = new Log(this.balls);
-    /** Balls whose strings went slack or taut since the last picture. @type {MotionBall[]} */
-    this.pulled = [];
     toy.onContact = (time, kind, speeds) => {
       const { angles } = toy.system;
-      const { contact_rows: { ball, radial } } = toy.kernels.layout;
-      const number = angles > 1 ? speeds[ball] : 0;
+      const number = angles > 1 ? speeds[toy.kernels.layout.contact_rows.ball] : 0;
       this.log.meet(time, kind, speeds, speeds.slice(angles), number);
-      this.pulled.push(...(number ? [this.balls[number - 1]] : this.balls).filter(({ row, length }) =>
-        isFelt(kind, speeds[radial + row], toy.system.naturalFrequency * length)));
     };
     this.isString = toy.system.suspension === "string";
     /** The largest angle from the bottom since the start [rad]. */

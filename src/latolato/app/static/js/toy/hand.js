@@ -291,7 +291,6 @@ export class Hand {
       pace.move(toy, now, () => {
         motion.follow();
         if (toy.clack > SOFTEST) scene.flash(motion.pose(), toy.clack);
-        scene.ring(motion.pose(), motion.pulled.splice(0));
         toy.clack = 0;
       });
     } catch (error) {
