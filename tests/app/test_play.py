@@ -772,10 +772,3 @@ def test_a_kept_unit_that_there_is_not_is_left_aside(page):
     open_form(page, "&scenario=fig02&duration=2%20s")
     unit = page.get_by_label("unit of angular driving frequency")
     assert unit.input_value() == "rad/s"
-
-
-def test_the_contact_word_stands_above_the_contacts(page):
-    open_play(page, "&scenario=toy&duration=60 s")
-    page.get_by_text("Energy and more curves").click()
-    page.locator(".word strong").get_by_text("BT", exact=True).wait_for(timeout=60_000)
-    page.get_by_text("The contacts of one period of the motion at the end").wait_for()

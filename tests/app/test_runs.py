@@ -19,7 +19,6 @@ from latolato.numerics.run_record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import Scenario, scenarios
 from latolato.simulation.start import checked_contact
-from latolato.simulation.summary import summarise
 from site_in_node import answers_in_node
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
@@ -45,56 +44,15 @@ REQUESTS = {name: (name, SHORT) for name in RUNS} | {
 }
 
 
-# Runs long enough to have a word, and the word.
-WORDS = {
-    "toy": ("toy", {"duration": "60 s"}, ["BT"]),
-    "not settled": ("toy", {}, ["no word"]),
-    "two periods": (
-        "toy",
-        {"drive_amplitude": "8 cm", "damping": "4 g m/s", "duration": "120 s"},
-        ["BTBT"],
-    ),
-    "weak toy": ("toy", {"drive_amplitude": "3 cm", "duration": "60 s"}, ["B"]),
-    "rest": ("toy", {"drive_amplitude": "2 mm", "duration": "60 s"}, ["R"]),
-    "chattering": (
-        "toy",
-        {"restitution": "0.3", "drive_amplitude": "4 cm", "duration": "60 s"},
-        ["BR"],
-    ),
-    "free": ("fig02", {"duration": "60 s"}, ["no contact"]),
-    "short": ("toy", {"duration": "0.9 s"}, [None]),
-    "no drive": ("zeno", {}, []),
-    "pair": ("ballpair_asymmetric", {"duration": "40 s"}, ["no word", "no word"]),
-    "strings": ("toy", {"suspension": "string", "duration": "60 s"}, ["B"]),
-}
-
-
 @pytest.fixture(scope="module")
 def of_pages(tmp_path_factory):
     """What pages say of every scenario, and write of it; Node.js is started once."""
     site = tmp_path_factory.mktemp("site")
     write_site(site)
-    every = [*REQUESTS.values(), *(each[:2] for each in WORDS.values())]
-    requests = [{"scenario": name, "options": options} for name, options in every]
+    requests = [{"scenario": name, "options": options} for name, options in REQUESTS.values()]
     program = Path(__file__).with_name("runs_in_node.mjs")
     answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
-    names = [*REQUESTS, *(f"word of {name}" for name in WORDS)]
-    return dict(zip(names, answers, strict=True))
-
-
-def words_of(request):
-    """Return the contact words that Python finds, as pages hold them."""
-    word = summarise(RunRequest(*request).to_scenario().record()).get("contact_word", [])
-    return word if isinstance(word, list) else [word]
-
-
-@pytest.mark.parametrize("name", [*REQUESTS, *(f"word of {name}" for name in WORDS)])
-def test_pages_find_the_contact_word_of_python(of_pages, name):
-    own = name.removeprefix("word of ")
-    request = REQUESTS.get(name) or WORDS[own][:2]
-    assert of_pages[name]["words"] == words_of(request)
-    if name not in REQUESTS:
-        assert of_pages[name]["words"] == WORDS[own][2]
+    return dict(zip(REQUESTS, answers, strict=True))
 
 
 @pytest.mark.parametrize("name", REQUESTS)

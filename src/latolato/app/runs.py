@@ -18,7 +18,7 @@ from latolato.app.blocks import pack
 from latolato.app.run_request import RunRequest, check_size, options_of
 from latolato.core.errors import InputError
 from latolato.physics.contacts import CONTACT_KINDS
-from latolato.physics.drives import Drive, PeriodicDrive
+from latolato.physics.drives import Drive
 from latolato.physics.drives.segment import POLYNOMIAL, STILL
 from latolato.scenario.scenario import Scenario
 from latolato.simulation.plan import SAMPLES_PER_PERIOD
@@ -84,18 +84,12 @@ def about(scenario: Scenario, run: Record | xr.Dataset) -> dict[str, Any]:
     return {
         "options": options_of(scenario),
         "is_sinusoidal": scenario.drive.is_sinusoidal,
-        "drive_period": drive_period_of(scenario.drive),
         "attributes": dict(run.attrs),
         "contact_kinds": CONTACT_KINDS,
         "balls": balls_of(scenario),
         "duration": float(run["time"][-1]),
         "ledger": {name: _last(np.asarray(run[name])) for name in LEDGER if name in run},
     }
-
-
-def drive_period_of(drive: Drive) -> float | None:
-    """Return the period of a drive that repeats itself [s], None of others."""
-    return math.tau / drive.drive_frequency if isinstance(drive, PeriodicDrive) else None
 
 
 def _last(values: NDArray[np.float64]) -> float:

@@ -1,7 +1,5 @@
 /** Contact words: the word of a number, and the words of a map with their colours. */
 
-import { LETTERS } from "../model/word.js";
-
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
 /**
@@ -9,6 +7,8 @@ import { LETTERS } from "../model/word.js";
  * other words. The last class are those that are rarer.
  * @typedef {{codes: number[], further: string[]} | null} Words
  */
+
+const LETTERS = "BTRS";
 
 /**
  * Return the word that a number stands for; `latolato.contact_words` does the same.

@@ -52,7 +52,6 @@ function aboutOf(run) {
   const last = (/** @type {string} */ name) => columns[name][0].findLast(Number.isFinite) ?? NaN;
   return {
     options, is_sinusoidal: registry.drives[each.drive.kind].sinusoidal,
-    drive_period: registry.drives[each.drive.kind].periodic ? 2 * Math.PI / Number(each.drive.parameters.drive_frequency) : null,
     warnings, duration: each.duration, attributes: attributesOf(run, options),
     contact_kinds: kernels.layout.contact_kinds, balls: ballsOf(system),
     ledger: Object.fromEntries(LEDGER.filter((name) => name in columns).map((name) => [name, last(name)])),

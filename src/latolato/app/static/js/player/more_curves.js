@@ -1,7 +1,6 @@
 /** What is shown of a run when somebody asks: energies and powers, portrait, section, ledger, contacts. */
 
-import { wordsOf } from "../model/word.js";
-import { local, t, tr } from "../strings.js";
+import { local, t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
 import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
@@ -137,13 +136,8 @@ export class MoreCurves {
   /** @param {Motion} motion */
   showContacts(motion) {
     const count = motion.contacts.length;
-    // Balls that mirror each other have one word.
-    const words = [...new Set(wordsOf(motion.block))].map((word) => word && tr(word));
-    const word = !words.length ? "" : el("div", { class: "word" },
-      el("p", {}, `${t("contactWord")}: `, el("strong", {}, words.map((each) => each ?? t("wordShort")).join(", "))),
-      el("p", { class: "hint" }, t("contactWordHint")));
     if (!count) {
-      this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")), word);
+      this.contacts.replaceChildren(el("p", { class: "hint" }, t("noContacts")));
       return;
     }
     const two = motion.block.shapes.angular_velocity_before[0];
@@ -159,7 +153,7 @@ export class MoreCurves {
         el("td", {}, kindOf(motion, i)),
         ...columns.map((name) => el("td", {}, cells(name, i)))));
     }
-    this.contacts.replaceChildren(word,
+    this.contacts.replaceChildren(
       el("table", {}, el("thead", {}, el("tr", {}, ...["time", "kind", ...columns.map((name) => CONTACT_COLUMNS[name])]
         .map((name) => el("th", { scope: "col" }, t(name))))), el("tbody", {}, ...rows)),
       count > MOST_ROWS ? el("p", { class: "hint" }, t("contactsMore", { shown: MOST_ROWS, count })) : "");
