@@ -372,7 +372,7 @@ def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_
     assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 20
 
 
-def test_a_new_question_pales_the_picture_until_it_has_its_own_also_if_a_worker_dies(page):
+def test_a_new_question_pales_the_picture_until_it_has_its_own(page):
     open_map(page)
     page.wait_for_function("() => window.latolato.views.map.over.lines.length >= 2")
     place = """() => {
@@ -414,22 +414,6 @@ def test_a_new_question_pales_the_picture_until_it_has_its_own_also_if_a_worker_
     page.get_by_text("Stopped. The computed points stay.").wait_for()
     workers = "() => window.latolato.views.map.pool.members.filter((m) => m.batch).length"
     assert page.evaluate(workers) == 0
-    page.evaluate(
-        "() => window.latolato.views.map.controls.keep({ size: 64, duration: 200, ylow: null })"
-    )
-    page.wait_for_function(
-        """() => {
-          const { pool, grid } = window.latolato.views.map;
-          const busy = pool.members.find(({ batch }) => batch);
-          if (grid.width !== 64 || !busy) return false;
-          pool.replace(busy, "out of memory");
-          return true;
-        }""",
-        timeout=PATIENCE,
-    )
-    page.get_by_text("A part of the computation ended unexpectedly (out of memory)").wait_for()
-    page.wait_for_selector("[data-done='2']", timeout=PATIENCE)
-    assert page.evaluate("() => window.latolato.views.map.grid.done") == 64 * 64
 
 
 def test_energies_have_logarithmic_colours_and_the_picture_stays_below_the_longest_text(page):

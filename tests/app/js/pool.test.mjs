@@ -46,10 +46,10 @@ async function started(plan = PLAN, how = {}) {
     workers.push(new Silent());
     return workers.at(-1);
   });
-  const heard = { cells: [], done: 0, errors: [], restarts: [] };
+  const heard = { cells: [], done: 0, errors: [] };
   const start = async (plan, how = {}) => {
     void pool.compute(plan, await pool.estimate(plan), { ...how,
-      onCells: ({ cell }) => heard.cells.push(...cell), onRestart: (message) => heard.restarts.push(message),
+      onCells: ({ cell }) => heard.cells.push(...cell),
     }).then(() => { heard.done += 1; }, ({ name, message }) => heard.errors.push(message || name));
     await settled();
   };
@@ -109,19 +109,17 @@ test("a new map ends the workers that are busy, and what they say is not heard",
   assert.ok(workers.every(({ ended }) => ended));
 });
 
-test("a worker that dies is replaced, says so, and its cells are computed again", async () => {
-  const { workers, heard } = await started();
-  const [lost] = workers[0].cells;
-  workers[0].say("error", { message: "out of memory" });
-  assert.deepEqual(heard.restarts, ["out of memory"]);
-  assert.equal(workers.length, 3);
-  assert.ok(workers[0].ended);
-  assert.deepEqual(workers[2].cells, [lost]);
-  workers[2].say("message", { data: { death: "unreachable" } });
-  await settled();
-  assert.deepEqual(heard.errors, ["some points of this map cannot be computed: unreachable"]);
-  assert.ok(workers.every(({ ended }) => ended));
-});
+for (const [name, values] of [["error", { message: "unreachable" }], ["message", { data: { death: "unreachable" } }]])
+  test(`a worker that dies ends its map, and the next map has another one: ${name}`, async () => {
+    const { workers, heard, start, finish } = await started();
+    workers[0].say(name, values);
+    await settled();
+    assert.deepEqual(heard.errors, ["some points of this map cannot be computed: unreachable"]);
+    assert.ok(workers.every(({ ended }) => ended));
+    await start(PLAN);
+    await finish();
+    assert.deepEqual(sorted(heard.cells), ALL);
+  });
 
 test("what is wrong with a map is told once", async () => {
   const { pool, workers, heard } = await started();

@@ -11,14 +11,12 @@ import { t } from "../strings.js";
  *   in how long [s], how many in a second, and which share of all
  *
  * How a map is computed: with a `stride`, a power of two, only so many rows and columns; without the cells
- * that are known. Of cells that come `values` has the rows of `variablesOf`. A worker that dies is
- * replaced, and computes its cells again.
+ * that are known. Of cells that come `values` has the rows of `variablesOf`.
  * @typedef {{stride?: number, isKnown?: (cell: number) => boolean,
- *   onCells: (cells: import("./grid.js").Cells, progress: Progress) => void,
- *   onRestart?: (message: string) => void}} How
+ *   onCells: (cells: import("./grid.js").Cells, progress: Progress) => void}} How
  *
  * @typedef {Awaited<ReturnType<Pool["estimate"]>>} Estimate
- * @typedef {{cell: Int32Array, stride: Uint8Array, tries: number}} Batch
+ * @typedef {{cell: Int32Array, stride: Uint8Array}} Batch
  * @typedef {Pick<Worker, "postMessage" | "terminate" | "addEventListener">} Thread
  * @typedef {{thread: Thread, module: string, batch: Batch | null}} Member
  * @typedef {import("./map_worker.js").WorkerStart} WorkerStart
@@ -35,8 +33,6 @@ const FILLS = 2;
 const PROBES = 7;
 // A step in lanes, and one of a single trajectory, until they are measured [s].
 const USUAL_STEP = { lanes: 1.5e-7, single: 5e-7 };
-// A batch that ends so many workers is given up.
-const TRIES = 2;
 
 /** @returns {Thread} */
 const pageWorker = () => new Worker(new URL("./map_worker.js", import.meta.url), { type: "module" });
@@ -50,10 +46,9 @@ class Job {
    * @param {(progress: Progress) => void} resolve
    * @param {(error: Error) => void} reject
    */
-  constructor(plan, estimate, { stride: finest = 1, isKnown = () => false, onCells, onRestart }, resolve, reject) {
+  constructor(plan, estimate, { stride: finest = 1, isKnown = () => false, onCells }, resolve, reject) {
     this.plan = plan;
     this.onCells = onCells;
-    this.onRestart = onRestart;
     this.resolve = resolve;
     this.reject = reject;
     const { cells, strides } = inOrder(plan.x.values.length, plan.y.values.length);
@@ -65,8 +60,6 @@ class Job {
     this.cells = Int32Array.from(fresh, (k) => cells[k]);
     this.strides = Uint8Array.from(fresh, (k) => strides[k]);
     this.next = 0;
-    /** @type {Batch[]} */
-    this.again = [];
     this.points = 0;
     this.begin = performance.now();
     /** The fewest cells of a batch. */
@@ -88,8 +81,6 @@ class Job {
    * @returns {Batch | null}
    */
   take(target, workers) {
-    const batch = this.again.pop();
-    if (batch) return batch;
     const left = this.cells.length - this.next;
     if (!left) return null;
     const coarse = this.strides.lastIndexOf(this.strides[0]) + 1;
@@ -99,7 +90,7 @@ class Job {
     const size = Math.min(left, share, Math.max(this.least, target));
     this.next += size;
     return { cell: this.cells.slice(this.next - size, this.next),
-      stride: this.strides.slice(this.next - size, this.next), tries: 0 };
+      stride: this.strides.slice(this.next - size, this.next) };
   }
 }
 
@@ -211,7 +202,7 @@ export class Pool {
     const member = { thread: this.makeWorker(), module: start.name, batch: null };
     member.thread.addEventListener("message", ({ data }) => this.receive(member, data));
     member.thread.addEventListener("error", (event) =>
-      this.replace(member, /** @type {ErrorEvent} */ (event).message));
+      this.lose(member, /** @type {ErrorEvent} */ (event).message));
     member.thread.postMessage({ start });
     return member;
   }
@@ -236,7 +227,7 @@ export class Pool {
     const { batch } = member;
     const { job } = this;
     if (data.death) {
-      this.replace(member, data.death);
+      this.lose(member, data.death);
       return;
     }
     // A worker that was ended while it was busy may still say something.
@@ -262,25 +253,15 @@ export class Pool {
   }
 
   /**
-   * Put a new worker in the place of one that has died, which computes the same cells again.
+   * Give up a worker that has died, and the map of which it computed a part: what is known of that stays.
    * @param {Member} member
    * @param {string} message
    */
-  replace(member, message) {
+  lose(member, message) {
     if (!this.members.includes(member)) return;
     member.thread.terminate();
     this.members = this.members.filter((each) => each !== member);
-    const { batch } = member;
-    const { job } = this;
-    if (!job || !batch) return;
-    batch.tries += 1;
-    if (batch.tries >= TRIES) {
-      this.fail(job, new Error(t("refuseSome", { error: message })));
-      return;
-    }
-    job.again.push(batch);
-    job.onRestart?.(message);
-    this.employ(job);
+    if (this.job && member.batch) this.fail(this.job, new Error(t("refuseSome", { error: message })));
   }
 
   /**

@@ -210,7 +210,6 @@ export class MapView {
         this.tools.showProgress(t("mapRate", { percent: Math.floor(100 * share), rate: Math.round(rate) }), share);
         this.change(grid, request, question);
       },
-      onRestart: (message) => this.page.messages.show("map", t("mapRestarted", { message }), { stays: true }),
     });
     signal.throwIfAborted();
     this.finish(grid, progress);

@@ -3,7 +3,6 @@
 import { InputError } from "../model/rules.js";
 import { beginWorker } from "../model/worker.js";
 import { t } from "../strings.js";
-import { notify } from "../page/dom.js";
 
 /** @typedef {import("../model/options.js").OptionsRequest} OptionsRequest */
 /** @typedef {import("../model/reply.js").RunQuestion} RunQuestion */
@@ -11,8 +10,7 @@ import { notify } from "../page/dom.js";
 /** @typedef {import("../page/block.js").Block} Block */
 /**
  * A question, and who waits for the answer.
- * @typedef {{question: RunQuestion, isRepeated: boolean, resolve: (block: Block) => void,
- *   reject: (error: Error) => void}} Pending
+ * @typedef {{question: RunQuestion, resolve: (block: Block) => void, reject: (error: Error) => void}} Pending
  */
 
 // Samples of a run that is drawn.
@@ -75,7 +73,7 @@ export class Runner {
       if (data) this.receive(data);
     });
     worker.addEventListener("error", ({ message }) => {
-      if (this.isReady) this.restart(message);
+      if (this.isReady) this.fail(message);
     });
     return worker;
   }
@@ -97,7 +95,7 @@ export class Runner {
     const question = { number: this.number, request, mostSamples, stretch };
     return new Promise((resolve, reject) => {
       this.waiting?.reject(aborted());
-      this.waiting = { question, resolve, reject, isRepeated: false };
+      this.waiting = { question, resolve, reject };
       this.next();
     });
   }
@@ -115,15 +113,10 @@ export class Runner {
       this.endWorker();
     }
     this.waiting = null;
-    this.ask(waiting);
-  }
-
-  /** @param {Pending} pending */
-  ask(pending) {
-    this.running = pending;
+    this.running = waiting;
     this.busySince = performance.now();
     this.worker ??= this.startWorker();
-    void this.worker.postMessage(pending.question);
+    void this.worker.postMessage(waiting.question);
   }
 
   /** Forget what is asked for now. */
@@ -146,18 +139,12 @@ export class Runner {
   }
 
   /**
-   * Put another worker in the place of one that failed, and give it the same question once more.
+   * Give up a worker that failed, with its question; the next question begins another worker.
    * @param {string} [reason]
    */
-  restart(reason) {
-    const { running } = this;
+  fail(reason) {
+    this.running?.reject(new Error(reason || t("workerGone")));
     this.endWorker();
-    if (running && !running.isRepeated) {
-      notify(t("workerAgain"));
-      this.ask({ ...running, isRepeated: true });
-      return;
-    }
-    running?.reject(new Error(reason || t("workerGone")));
     this.next();
   }
 
@@ -166,7 +153,7 @@ export class Runner {
     const { running } = this;
     if (running?.question.number !== answer.number) return;
     if (answer.fault && !answer.fault.about) {
-      this.restart(answer.fault.message);
+      this.fail(answer.fault.message);
       return;
     }
     this.running = null;
