@@ -4,7 +4,6 @@ import test from "node:test";
 
 import { colourTable } from "../../../src/latolato/app/static/js/map/colours.js";
 import { cellAt, Grid } from "../../../src/latolato/app/static/js/map/grid.js";
-import { placeAt } from "../../../src/latolato/app/static/js/map/contours.js";
 import { KnownMaps } from "../../../src/latolato/app/static/js/map/known.js";
 import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/levels.js";
 import { misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
@@ -100,15 +99,6 @@ test("levels are read with their units", () => {
   assert.deepEqual(read("0.5, 1, 2 kJ"), { values: [500, 1000, 2000], text: "0.5 kJ, 1 kJ, 2 kJ", problem: null });
   assert.deepEqual(read(" ").values, []);
   for (const text of ["1,,3", "1, many", "3 kg", "nan"]) assert.notEqual(read(text).problem, null, text);
-});
-
-test("the value of a line stands upright along it where it is straight", () => {
-  const points = Float64Array.from([100, 0, 50, 0, 0, 0]);
-  const along = Float64Array.from([0, 50, 100]);
-  assert.deepEqual(placeAt(points, along, 0.5, 40), { x: 50, y: 0, angle: 0 });
-  assert.equal(placeAt(points, along, 0.1, 40), null);
-  const corner = Float64Array.from([0, 0, 50, 0, 50, 50]);
-  assert.equal(placeAt(corner, along, 0.5, 40), null);
 });
 
 test("scales are tables of 256 opaque colours from dark to bright", () => {

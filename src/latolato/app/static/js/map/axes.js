@@ -3,7 +3,6 @@
 import { logTicks, ticks } from "../player/axis.js";
 import { colour } from "../page/dom.js";
 import { plainSymbol, localShort, shownUnit } from "../page/unit_text.js";
-import { t } from "../strings.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -57,13 +56,13 @@ export function drawAxes(chart, context, ratio) {
   context.fillStyle = colour("ink", chart.canvas);
   context.textAlign = "center";
   context.textBaseline = "bottom";
-  context.fillText(fitted(context, axisLabel(x), width + MARGIN * ratio),
-    left + width / 2, chart.canvas.height - 2 * ratio);
+  // A name that is too long is written narrower.
+  context.fillText(axisLabel(x), left + width / 2, chart.canvas.height - 2 * ratio, width + MARGIN * ratio);
   context.save();
   context.translate(2 * ratio, top + height / 2);
   context.rotate(-Math.PI / 2);
   context.textBaseline = "top";
-  context.fillText(fitted(context, axisLabel(y), height), 0, 0);
+  context.fillText(axisLabel(y), 0, 0, height);
   context.restore();
 }
 
@@ -106,17 +105,4 @@ export function drawTicks(context, { x, y, length, isUpright = false }, ends, ra
   for (const value of small) draw(value, 2.5);
   for (const value of marks) draw(value, 4, localShort(value, 5));
   context.stroke();
-}
-
-/**
- * Return a text, shortened with an ellipsis where it is wider than there is room.
- * @param {CanvasRenderingContext2D} context
- * @param {string} text
- * @param {number} room
- */
-function fitted(context, text, room) {
-  if (context.measureText(text).width <= room) return text;
-  let end = text.length;
-  while (end > 1 && context.measureText(`${text.slice(0, end)}…`).width > room) end -= 1;
-  return t("cut", { text: text.slice(0, end) });
 }

@@ -5,7 +5,6 @@ import { outline } from "../player/canvas.js";
 
 /** @typedef {import("./chart.js").MapChart} MapChart */
 /** @typedef {{level: number, text: string, xs: Float64Array, ys: Float64Array}} Contour */
-/** @typedef {{x: number, y: number, angle: number}} ContourPlace */
 
 const INK = "#14171d";
 const HALO = "#ffffff";
@@ -14,8 +13,6 @@ const FONT = 11.5; // pixels of the page
 const ROOM = 36;
 // Where along a line its value may stand, the best place first.
 const PLACES = [0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92];
-// A line that is this crooked under its value would make it hard to read.
-const STRAIGHT = 0.93;
 
 /**
  * Draw contour lines; returns what draws their values, over whatever else crosses them.
@@ -64,36 +61,27 @@ function drawValues(chart, context, lines, ratio) {
   context.font = `600 ${FONT * ratio}px system-ui, sans-serif`;
   context.textAlign = "center";
   context.textBaseline = "middle";
-  /** @type {(ContourPlace & {half: number})[]} */
+  /** @type {{x: number, y: number, half: number}[]} */
   const taken = [];
   const { left, top, width, height } = chart.frame();
   const measured = lines.map((line) => ({ ...line, along: lengths(line.points) }))
     .sort((a, b) => (b.along.at(-1) ?? 0) - (a.along.at(-1) ?? 0));
-  const written = new Set();
   for (const { text, points, along } of measured) {
+    const length = along.at(-1) ?? 0;
     const room = context.measureText(text).width;
-    if ((along.at(-1) ?? 0) < room + ROOM * ratio) continue;
+    if (length < room + ROOM * ratio) continue;
     const half = 0.5 * room + 5 * ratio;
-    const inside = (/** @type {ContourPlace} */ p) => p.x > left + half && p.x < left + width - half
-      && p.y > top + half && p.y < top + height - half;
-    const apart = (/** @type {ContourPlace} */ p) =>
-      taken.every((o) => Math.hypot(o.x - p.x, o.y - p.y) > half + o.half);
-    // A line that is too crooked gets a level text, unless another one of its level has its value.
-    const lengths = written.has(text) ? [room] : [room, 0];
-    const place = lengths.flatMap((length) => PLACES.map((share) => placeAt(points, along, share, length)))
-      .find((p) => p && inside(p) && apart(p));
+    const place = PLACES.map((share) => pointAt(points, along, share * length)).find(([x, y]) =>
+      x > left + half && x < left + width - half && y > top + half && y < top + height - half
+      && taken.every((other) => Math.hypot(other.x - x, other.y - y) > half + other.half));
     if (!place) continue;
-    written.add(text);
-    taken.push({ ...place, half });
-    context.save();
-    context.translate(place.x, place.y);
-    context.rotate(place.angle);
+    const [x, y] = place;
+    taken.push({ x, y, half });
     context.strokeStyle = HALO;
     context.lineWidth = 4 * ratio;
-    context.strokeText(text, 0, 0);
+    context.strokeText(text, x, y);
     context.fillStyle = INK;
-    context.fillText(text, 0, 0);
-    context.restore();
+    context.fillText(text, x, y);
   }
 }
 
@@ -107,29 +95,6 @@ function lengths(points) {
     along[i] = along[i - 1]
       + Math.hypot(points[2 * i] - points[2 * i - 2], points[2 * i + 1] - points[2 * i - 1]);
   return along;
-}
-
-/**
- * The position and angle of a text of this width at a share of a line: upright, along the line, level
- * without a width; null where the line is too crooked.
- * @param {Float64Array} points
- * @param {Float64Array} along
- * @param {number} share
- * @param {number} room
- * @returns {ContourPlace | null}
- */
-export function placeAt(points, along, share, room) {
-  const total = along[along.length - 1];
-  const middle = share * total;
-  if (middle < 0.5 * room || middle > total - 0.5 * room) return null;
-  const [ax, ay] = pointAt(points, along, middle - 0.5 * room);
-  const [bx, by] = pointAt(points, along, middle + 0.5 * room);
-  if (Math.hypot(bx - ax, by - ay) < STRAIGHT * room) return null;
-  const [x, y] = pointAt(points, along, middle);
-  let angle = Math.atan2(by - ay, bx - ax);
-  if (angle > Math.PI / 2) angle -= Math.PI;
-  else if (angle <= -Math.PI / 2) angle += Math.PI;
-  return { x, y, angle };
 }
 
 /**

@@ -1,6 +1,7 @@
 /** What mouse, finger and keys do on a map: choose a point, drag a box, pan, zoom. */
 
 import { followKeys } from "../page/keys.js";
+import { pan, scale, zoom } from "./travel.js";
 
 // A press that moves less is a click.
 const CLICK = 5; // pixels of the page
@@ -12,7 +13,8 @@ const WAYS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], Arrow
  * Let a map follow the hand; returns what its keys do.
  * @param {import("./view.js").MapView} view
  */
-export function followHand({ field, chart, cursor, travel, tools }) {
+export function followHand(view) {
+  const { field, chart, cursor, tools } = view;
   const { canvas } = chart;
   /** @type {{x: number, y: number, at: [number, number], pans: boolean} | null} */
   let pressed = null;
@@ -22,6 +24,7 @@ export function followHand({ field, chart, cursor, travel, tools }) {
     pressed = null;
     chart.band = null;
     chart.shift = [0, 0];
+    chart.draw();
   };
   canvas.addEventListener("pointerdown", (e) => {
     const at = chart.at(e);
@@ -48,31 +51,22 @@ export function followHand({ field, chart, cursor, travel, tools }) {
     const far = moved(e);
     const { band } = chart;
     end();
-    chart.draw();
     if (!far) void cursor.pick(...at);
     else if (pans && chart.grid) {
       const { width, height } = chart.frame();
       const ratio = window.devicePixelRatio || 1;
-      travel.pan(Math.round((-(e.clientX - x) * ratio * chart.grid.width) / width),
+      pan(view, Math.round((-(e.clientX - x) * ratio * chart.grid.width) / width),
         Math.round(((e.clientY - y) * ratio * chart.grid.height) / height));
-    } else if (band) travel.zoom(band);
+    } else if (band) zoom(view, () => band);
   });
-  canvas.addEventListener("pointercancel", () => { end(); chart.draw(); });
+  canvas.addEventListener("pointercancel", end);
   canvas.addEventListener("pointerleave", () => { if (!pressed) cursor.describe(); });
   const move = (/** @type {KeyboardEvent} */ { key, shiftKey }) => {
     const [x, y] = WAYS[key];
     const [columns, rows] = [chart.grid?.width ?? 0, chart.grid?.height ?? 0].map((n) =>
       Math.max(1, Math.round(PAN_SHARE * n)));
-    if (shiftKey) travel.pan(x * columns, y * rows);
+    if (shiftKey) pan(view, x * columns, y * rows);
     else cursor.step(x, y);
-  };
-  const leave = () => {
-    if (!pressed) {
-      travel.back();
-      return;
-    }
-    end();
-    chart.draw();
   };
   /** @type {import("../page/keys.js").KeyActions} */
   const actions = {
@@ -80,10 +74,10 @@ export function followHand({ field, chart, cursor, travel, tools }) {
     Enter: { text: "keyRun", act: () => void cursor.run() },
     c: { text: "keyCurve", act: () => void cursor.stepOnCurve(1) },
     C: { text: "keyCurve", act: () => void cursor.stepOnCurve(-1) },
-    "+": { text: "keyZoomIn", act: () => travel.scale(0.5) },
-    "=": { text: "keyZoomIn", act: () => travel.scale(0.5) },
-    "-": { text: "keyZoomOut", act: () => travel.scale(2) },
-    Escape: { text: "keyZoomBack", act: leave },
+    "+": { text: "keyZoomIn", act: () => scale(view, 0.5) },
+    "=": { text: "keyZoomIn", act: () => scale(view, 0.5) },
+    "-": { text: "keyZoomOut", act: () => scale(view, 2) },
+    Escape: { text: "keyEndDrag", act: end },
   };
   followKeys(field, actions);
   return actions;

@@ -2,6 +2,7 @@
 
 import { el } from "../page/dom.js";
 import { t } from "../strings.js";
+import { scale } from "./travel.js";
 
 const STATES = { busy: "stop", stopped: "mapGoOn", coarse: "mapFiner", done: "mapAgain" };
 
@@ -15,7 +16,6 @@ export class Toolbar {
     /** @type {keyof typeof STATES} */
     this.now = "done";
     this.stop = button("stop", () => view.stopOrGo());
-    this.back = button("mapBack", () => view.travel.back());
     this.pan = button("mapPan", () => {
       this.panning = !this.panning;
       this.pan.setAttribute("aria-pressed", String(this.panning));
@@ -23,9 +23,9 @@ export class Toolbar {
     this.pan.setAttribute("aria-pressed", "false");
     this.progress = el("progress", { max: 1, value: 0, "aria-label": t("mapProgress") });
     this.text = el("span", { class: "soft progress-text", role: "status" });
-    this.root = el("div", { class: "row map-bar" }, this.stop, this.back,
-      button("mapIn", () => view.travel.scale(0.5), "+"),
-      button("mapOut", () => view.travel.scale(2), "−"), this.pan,
+    this.root = el("div", { class: "row map-bar" }, this.stop,
+      button("mapIn", () => scale(view, 0.5), "+"),
+      button("mapOut", () => scale(view, 2), "−"), this.pan,
       this.progress, this.text);
   }
 

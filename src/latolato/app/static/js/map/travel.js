@@ -1,71 +1,48 @@
-/** Ways over a map: enlarged, moved by whole cells, and back. */
+/** Ways over a map: enlarged, and moved by whole cells; the browser's Back returns. */
 
 import { notify } from "../page/dom.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Axis} Axis */
+/** @typedef {import("./view.js").MapView} MapView */
 /** @typedef {import("./chart.js").ChartBox} ChartBox */
 
-// Keys of the address for the part of a map that is on show.
-const PLACE = ["x", "y"].flatMap((which) => ["", "low", "high", "log"].map((part) => which + part));
-
-/** Ways over the map of a view, kept in the address. */
-export class Travel {
-  /** @param {import("./view.js").MapView} view */
-  constructor(view) {
-    this.view = view;
-    /** @type {Record<string, string | null>[]} where on maps we were, as the address has it */
-    this.seen = [];
+/**
+ * Go to another part of the map of a view, which the address keeps; a stored map has no other.
+ * @param {MapView} view
+ * @param {(grid: Grid) => ChartBox} box
+ */
+export function zoom({ grid, controls }, box) {
+  if (!grid) return;
+  if (grid.about.stored) {
+    notify(t("mapStoredZoom"));
+    return;
   }
+  const [xlow, xhigh, ylow, yhigh] = box(grid);
+  controls.keep({ x: grid.x.name, y: grid.y.name, xlow, xhigh, ylow, yhigh,
+    xlog: grid.x.log ? 1 : null, ylog: grid.y.log ? 1 : null });
+}
 
-  /**
-   * Go to another part of the map; a stored one has no other.
-   * @param {(grid: Grid) => ChartBox} box
-   */
-  go(box) {
-    const { grid, controls } = this.view;
-    if (!grid) return;
-    if (grid.about.stored) {
-      notify(t("mapStoredZoom"));
-      return;
-    }
-    const [xlow, xhigh, ylow, yhigh] = box(grid);
-    controls.keep({ x: grid.x.name, y: grid.y.name, xlow, xhigh, ylow, yhigh,
-      xlog: grid.x.log ? 1 : null, ylog: grid.y.log ? 1 : null });
-  }
+/**
+ * @param {MapView} view
+ * @param {number} by factor of the lengths of both axes
+ */
+export function scale(view, by) {
+  zoom(view, (grid) => scaledBox(grid, by, view.chart.cross));
+}
 
-  /** @param {ChartBox} box */
-  zoom(box) {
-    const { extra } = this.view.page.store.state;
-    if (!this.view.grid?.about.stored)
-      this.seen.push(Object.fromEntries(PLACE.map((name) => [name, extra[`map.${name}`] ?? null])));
-    this.go(() => box);
-  }
-
-  /** @param {number} by factor of the lengths of both axes */
-  scale(by) {
-    const { grid, chart } = this.view;
-    if (grid) this.zoom(scaledBox(grid, by, chart.cross));
-  }
-
-  /**
-   * Move to the cells beside.
-   * @param {number} columns
-   * @param {number} rows
-   */
-  pan(columns, rows) {
-    const { stride = 1 } = this.view.request;
-    // The points of a coarse map are those of every so many cells.
-    const [across, up] = [columns, rows].map((cells) => stride * Math.round(cells / stride));
-    if (across || up) this.go((grid) => movedBy(grid, across, up));
-  }
-
-  /** Zoom out to the map before. */
-  back() {
-    const last = this.seen.pop();
-    if (last) this.view.controls.keep(last);
-  }
+/**
+ * Move to the cells beside.
+ * @param {MapView} view
+ * @param {number} columns
+ * @param {number} rows
+ */
+export function pan(view, columns, rows) {
+  const { stride = 1 } = view.request;
+  // The points of a coarse map are those of every so many cells.
+  const [across, up] = [columns, rows].map((cells) => stride * Math.round(cells / stride));
+  if (across || up) zoom(view, (grid) => movedBy(grid, across, up));
 }
 
 /**

@@ -25,7 +25,6 @@ import { contourVariable, Over } from "./over.js";
 import { Pool } from "./pool.js";
 import { doneText, legend } from "./texts.js";
 import { Toolbar } from "./toolbar.js";
-import { Travel } from "./travel.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
@@ -53,7 +52,6 @@ export class MapView {
     this.timer = 0;
     this.shown = false;
     this.over = new Over(this);
-    this.travel = new Travel(this);
     this.controls = new MapControls(page.registry, page.store, (texts) => this.over.take(texts));
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
@@ -322,7 +320,6 @@ export class MapView {
     this.barTitle.textContent = axisLabel(variable);
     this.bar.show(look, sizeOf(variable));
     this.classes.replaceChildren(...legend(grid, look, { lines: chart.lines, trials: chart.trials !== null, contours: contourVariable(grid, extra), registry: this.page.registry }));
-    this.tools.back.disabled = !this.travel.seen.length;
     this.cursor.describe();
     this.over.contours();
     chart.paint();
