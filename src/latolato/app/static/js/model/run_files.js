@@ -1,7 +1,6 @@
 /** Files of a run, as Python writes and reads them: its columns, its contacts, its scenario. */
 
 import { commandLine } from "./run_code.js";
-import { isShown, shownText } from "./shown.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
 /** @typedef {import("../page/block.js").Block} Block */
@@ -11,6 +10,22 @@ const LEDGER = ["drive_work", "damping_loss", "impact_loss", "capture_loss", "no
 // Variables whose names say whether they are those of one ball or of both.
 const OF_BALLS = ["kinetic_energy", "potential_energy", "total_energy", "drive_power", "damping_power",
   "tension", "lab_energy", "rod_power", ...LEDGER];
+
+// Units in which people read numbers: how many places the point moves, and the size of a degree [rad].
+const POWERS = /** @type {Record<string, number>} */ ({ mm: 3, cm: 2, g: 3 });
+const DEGREE = Math.PI / 180;
+
+/**
+ * Return a number in SI units in another unit; back in SI units it may differ in its last digit.
+ * @param {number} value
+ * @param {string} unit
+ */
+function inUnit(value, unit) {
+  if (unit === "deg" || !Number.isFinite(value)) return value / DEGREE;
+  // Only the point moves: 0.07 m are 70 mm, and not 70.00000000000001.
+  const [digits, exponent] = value.toExponential().split("e");
+  return Number(`${digits}e${Number(exponent) + POWERS[unit]}`);
+}
 
 /**
  * Return the tables of a scenario that sets these options.
@@ -112,9 +127,9 @@ function table(registry, { about, arrays, shapes }, names) {
  * @param {(i: number) => any} at returns its cells, numbers in SI units
  */
 export function column(name, { unit, shownUnit, label }, at) {
-  if (!isShown(shownUnit)) return { head: name, title: `# column ${name} [${unit}]: ${label}`, at };
+  if (shownUnit !== "deg" && !Object.hasOwn(POWERS, shownUnit)) return { head: name, title: `# column ${name} [${unit}]: ${label}`, at };
   const head = `${name} [${shownUnit}]`;
-  return { head, title: `# column ${head}: ${label}`, at: (/** @type {number} */ i) => shownText(at(i), shownUnit) };
+  return { head, title: `# column ${head}: ${label}`, at: (/** @type {number} */ i) => inUnit(at(i), shownUnit) };
 }
 
 /**
