@@ -10,16 +10,11 @@ const SHARPNESS = 3;
 const BRIGHTNESS = [2500, 9000]; // Hz
 const VOLUME = 1.6;
 
-/** @type {WeakMap<BaseAudioContext, AudioBuffer>} */
-const bursts = new WeakMap();
-
 /**
  * Return noise that dies away; it is the same each time.
  * @param {BaseAudioContext} context
  */
-function burstOf(context) {
-  const known = bursts.get(context);
-  if (known) return known;
+export function makeBurst(context) {
   const burst = context.createBuffer(1, Math.ceil(LENGTH * context.sampleRate), context.sampleRate);
   const samples = burst.getChannelData(0);
   let seed = 1;
@@ -27,20 +22,20 @@ function burstOf(context) {
     seed = (16807 * seed) % 2147483647; // Park and Miller, 1988
     samples[i] = (2 * seed / 2147483647 - 1) * Math.exp(-i / (DECAY * context.sampleRate));
   }
-  bursts.set(context, burst);
   return burst;
 }
 
 /**
  * Play the sound of balls that meet at an instant.
- * @param {BaseAudioContext} context
+ * @param {AudioBuffer} burst
  * @param {AudioNode} out
  * @param {number} at [s] of the context
  * @param {number} loudness from 0 to 1
  * @param {"bottom" | "top"} kind
  */
-export function playClack(context, out, at, loudness, kind) {
-  const source = new AudioBufferSourceNode(context, { buffer: burstOf(context) });
+export function playClack(burst, out, at, loudness, kind) {
+  const { context } = out;
+  const source = new AudioBufferSourceNode(context, { buffer: burst });
   const [dull, bright] = BRIGHTNESS;
   const wood = new BiquadFilterNode(context,
     { type: "bandpass", frequency: PITCH[kind], Q: SHARPNESS });

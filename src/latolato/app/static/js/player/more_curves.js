@@ -3,7 +3,6 @@
 import { local, t } from "../strings.js";
 import { Curves } from "./curves.js";
 import { el } from "../page/dom.js";
-import { DISTANCE_PANEL, ENERGY_PANELS, whose } from "./panels.js";
 import { KINDS } from "./events.js";
 import { scaled } from "./traces.js";
 import { DEGREE, localShort } from "../page/unit_text.js";
@@ -11,6 +10,7 @@ import { XYPlot } from "./xy_plot.js";
 
 /** @typedef {import("./motion.js").Motion} Motion */
 /** @typedef {import("./clock.js").Clock} Clock */
+/** @typedef {import("./curves.js").Panel} Panel */
 
 const MOST_ROWS = 200;
 /** What the table of contacts says about velocities, and its heads. @type {Record<string, string>} */
@@ -20,6 +20,40 @@ const CONTACT_COLUMNS = { angular_velocity_before: "before", angular_velocity_af
 const SETTLED = 0.2;
 // Of the balls, from the back to the front.
 const PAINTS = ["left", "right"];
+const LENGTH = { unit: "cm", size: 1e-2 }; // m
+
+/** @type {Panel[]} */
+const ENERGY_PANELS = [
+  {
+    label: (motion) => t("curveEnergy", { whose: whose(motion) }),
+    quantity: "energy",
+    curves: (motion) => [
+      { label: t("kinetic"), paint: "kinetic", values: summed(motion, "kinetic_energy") },
+      { label: t("potential"), paint: "potential", values: summed(motion, "potential_energy") },
+      { label: t("total"), paint: "ink", values: summed(motion, "total_energy") },
+    ],
+  },
+  {
+    label: (motion) => t("curvePower", { whose: whose(motion) }),
+    quantity: "power",
+    height: 140,
+    curves: (motion) => [
+      { label: t("drivePower"), paint: "gain", values: summed(motion, "drive_power") },
+      { label: t("dampingPower"), paint: "loss", values: summed(motion, "damping_power") },
+    ],
+  },
+];
+
+/** How far balls on strings are from the hand. @type {Panel} */
+const DISTANCE_PANEL = {
+  label: t("curveDistance", { unit: LENGTH.unit }),
+  height: 140,
+  curves: (motion) => motion.balls.filter(({ row }, i) => i === 0 || row > 0).map((ball) => ({
+    label: motion.balls.some(({ row }) => row > 0) ? t(ball.name) : t("distance"),
+    paint: ball.name === "left" ? "left" : "right",
+    values: scaled(motion.values("distance", ball.row) ?? [], 1 / LENGTH.size),
+  })),
+};
 
 /** The content of a drawer, which computes and draws while the drawer is open. */
 export class MoreCurves {
@@ -182,6 +216,27 @@ export class MoreCurves {
 }
 
 /**
+ * Return of how many balls an energy is.
+ * @param {{balls: any[]}} motion
+ */
+function whose({ balls }) {
+  return t(balls.length > 1 ? "bothBalls" : "perBall");
+}
+
+/**
+ * Return a quantity of all balls on show together: a mirrored ball counts as much as its twin.
+ * @param {Motion} motion
+ * @param {string} name
+ */
+function summed(motion, name) {
+  const rows = motion.balls.map((ball) => motion.values(name, ball.row));
+  const sum = new Float64Array(motion.time.length);
+  for (const values of rows)
+    if (values) for (let i = 0; i < sum.length; i += 1) sum[i] += values[i];
+  return sum;
+}
+
+/**
  * Return something of each ball, by the paint of the ball.
  * @template T
  * @param {import("./motion.js").MotionBall[]} balls
@@ -199,8 +254,8 @@ function byPaint(balls, of) {
  */
 function kindOf(motion, i) {
   const kind = t(KINDS[motion.block.arrays.contact_kind[i]]);
-  const own = motion.ballsAt(i);
-  return own.length < motion.balls.length ? `${kind}, ${t(own[0].name)}` : kind;
+  const ball = motion.balls[(motion.values("contact_ball")?.[i] ?? 0) - 1];
+  return ball ? `${kind}, ${t(ball.name)}` : kind;
 }
 
 /** How many balls one row of the ledger stands for. */

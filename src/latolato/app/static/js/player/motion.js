@@ -304,15 +304,6 @@ export class Motion {
   }
 
   /**
-   * Return the balls whose strings go slack or taut at a contact.
-   * @param {number} k
-   */
-  ballsAt(k) {
-    const number = this.values("contact_ball")?.[k] ?? 0;
-    return number > 0 ? [this.balls[number - 1]] : this.balls;
-  }
-
-  /**
    * Return the angle of the wall at which a contact of this kind happens [rad].
    * @param {number} kind index in "bottom, top, rest, release"
    * @param {number} near

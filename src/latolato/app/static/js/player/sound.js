@@ -1,6 +1,6 @@
 /** What a motion sounds like: clacks and the tones of angles, silent until asked for. */
 
-import { playClack } from "./clack.js";
+import { makeBurst, playClack } from "./clack.js";
 import { Tone } from "./tone.js";
 
 // Clacks are heard so much after their picture, whenever in a frame they happen.
@@ -19,7 +19,7 @@ export class Sound {
     this.make = make;
     this.clacks = false;
     this.tones = false;
-    /** @type {{context: BaseAudioContext, out: AudioNode, voices: Tone[]} | null} */
+    /** @type {{context: BaseAudioContext, out: AudioNode, burst: AudioBuffer, voices: Tone[]} | null} */
     this.opened = null;
     this.last = -PAUSE;
   }
@@ -30,7 +30,7 @@ export class Sound {
     const context = this.make();
     const out = new WaveShaperNode(context, { curve: LIMIT });
     out.connect(context.destination);
-    this.opened = { context, out, voices: [] };
+    this.opened = { context, out, burst: makeBurst(context), voices: [] };
     return this.opened;
   }
 
@@ -44,11 +44,11 @@ export class Sound {
     if (!this.clacks || loudness < SOFTEST) return;
     const opened = this.open();
     if (!opened) return;
-    const { context, out } = opened;
+    const { context, out, burst } = opened;
     const at = context.currentTime + Math.max(0, DELAY - ago);
     if (at - this.last < PAUSE) return;
     this.last = at;
-    playClack(context, out, at, Math.min(Math.max(loudness, LEAST), 1), kind);
+    playClack(burst, out, at, Math.min(Math.max(loudness, LEAST), 1), kind);
   }
 
   /**
