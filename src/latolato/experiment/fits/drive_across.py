@@ -103,7 +103,10 @@ def across_of(
     aside = np.array([math.sin(lead), math.cos(lead)])
     sigma = math.sqrt(along @ covariance @ along)
     turned = math.sqrt(aside @ covariance @ aside) / max(size, 1e-300)
-    own = math.hypot(turned, _phase_sigma(shape, solution, times[known]))
+    of_phase = solution.covariance_of(  # of that at time 0, as it follows from the mean
+        lambda p: np.array([p["drive_phase"] - np.mean(shape.phase(p, times[known]))])
+    )
+    own = math.hypot(turned, math.sqrt(max(float(of_phase[0, 0]), 0.0)))
     start = math.remainder(solution.values["drive_phase"] + lead, math.tau)
     return Across(
         Estimate(size, sigma, "m", max(size - TWO_SIDED * sigma, 0.0)),
@@ -112,19 +115,6 @@ def across_of(
         positions,
         sum((found.values[n] * column for n, column in columns.items()), np.zeros(len(times))),
     )
-
-
-def _phase_sigma(shape: Shape, solution: Solution, times: Floats) -> float:
-    """Return how well the phase at time zero follows from the mean phase at instants [rad]."""
-    widths = np.array([solution.sigma(name) for name in solution.names])
-    changes = np.zeros(len(widths))
-    for i, (name, width) in enumerate(zip(solution.names, widths, strict=True)):
-        for sign in (0.5, -0.5):
-            values = {**solution.values, name: solution.values[name] + sign * width}
-            mean = float(np.mean(shape.phase(values, times)))
-            changes[i] += math.copysign(1.0, sign) * (values["drive_phase"] - mean)
-    slopes = np.divide(changes, widths, out=np.zeros(len(widths)), where=widths > 0.0)
-    return math.sqrt(max(float(slopes @ solution.covariance @ slopes), 0.0))
 
 
 def with_across(drive: Drive, across: Across) -> tuple[Drive, str]:

@@ -121,7 +121,11 @@ def fit_model(
     if profile:
         solution = solve(model, solution.guesses, data, jacobian=model.jacobian, profiles=names)
     widening, bent, unknown = _by_pivots(found)
-    estimates = {name: _estimate(solution, name, widening[name]) for name in names}
+    estimates = {
+        name: own.widened(math.hypot(own.sigma, widening[name]))
+        for name in names
+        for own in [solution.estimate(name, quantity_of(name).unit)]
+    }
     best, best_drive = found.laws(solution.values)
     verdict = _verdict(estimates, solution, model, found.lost, unknown)
     return make_fit(
@@ -407,16 +411,6 @@ def _by_pivots(found: Described) -> tuple[dict[str, float], list[Floats], int]:
             squares[name] += weight * (trial.values[name] - solution.values[name]) ** 2
         bent.append(trial.curve - solution.curve)
     return {name: math.sqrt(square) for name, square in squares.items()}, bent, lost
-
-
-def _estimate(solution: Solution, name: str, further: float) -> Estimate:
-    """Return an estimate with a further independent deviation."""
-    value, own = solution.values[name], solution.sigma(name)
-    sigma = math.hypot(own, further)
-    low, high = solution.intervals.get(name, (math.nan, math.nan))
-    wider = sigma / own if own > 0.0 else 1.0
-    ends = value - wider * (value - low), value + wider * (high - value)
-    return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
 def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:

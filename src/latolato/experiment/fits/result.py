@@ -73,6 +73,12 @@ class Estimate:
         """Return the estimate of this quantity plus a known number."""
         return Estimate(self.value + by, self.sigma, self.unit, self.low + by, self.high + by)
 
+    def widened(self, sigma: float) -> Estimate:
+        """Return the estimate with another deviation, and its interval wider by the same factor."""
+        wider = sigma / self.sigma if self.sigma > 0.0 else 1.0
+        low, high = (self.value + wider * (end - self.value) for end in (self.low, self.high))
+        return replace(self, sigma=sigma, low=low, high=high)
+
     def power(self, factor: float, exponent: int, unit: str) -> Estimate:
         """Return the estimate of a known factor times a power of this quantity, which is not 0."""
         value = factor * self.value**exponent

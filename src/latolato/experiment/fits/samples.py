@@ -200,13 +200,20 @@ def check_turns(data: Data) -> None:
     if jump is None:
         return
     instant, size, usual = jump
+    turn = turn_words(size, min((3.0 * usual + 0.02) / math.tau, 0.08))
+    if turn and usual < 0.2 * abs(size):
+        raise InputError(
+            f"the angle jumps by {turn} at {instant:.4g} s, which no ball does between two samples",
+            way_out="take the turn off the angles from there on",
+        )
+
+
+def turn_words(size: float, near: float = 0.02) -> str:
+    """Return which turn an angle is within a share `near` of, in words; "" if of none."""
     for turn, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
-        if abs(abs(size) - turn) < min(3.0 * usual + 0.02, 0.5) and usual < 0.2 * turn:
-            raise InputError(
-                f"the angle jumps by {name} at {instant:.4g} s, which no ball does between two "
-                "samples",
-                way_out="take the turn off the angles from there on",
-            )
+        if abs(abs(size) - turn) < near * turn:
+            return name
+    return ""
 
 
 def largest_jump(data: Data) -> tuple[float, float, float] | None:

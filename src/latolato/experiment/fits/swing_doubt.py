@@ -31,7 +31,7 @@ from latolato.experiment.fits.free_swing import (
 )
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
-from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.fits.samples import noise_of, turn_words
 from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
 
@@ -44,8 +44,6 @@ _ENOUGH, _TRIES, _MOST = 600, 40, 0.5
 _UNSURE = 0.1
 # Periods that a cut may have taken out of a clock.
 _MOST_PERIODS = 1000
-# An offset within this of a turn is one, and a factor within this of that of degrees.
-_NEAR = 0.02
 # Breaks that nothing which lasts can look like.
 _SUDDEN = ("phase jump", "two films", "shifted angle", "another rest")
 # Factors to other units, and what is wrong if angles times that are those of a pendulum.
@@ -277,11 +275,7 @@ def _of_cut(cut: Cut) -> tuple[str, str]:
     }
     kind = min(_KINDS, key=lambda each: misfit_of(each, left.get(each.name, off), covariance))
     seconds = f"{float(lost[fewest]):.3g} s"
-    turn = off["offset"]
-    offset = f"{turn:.3g} rad"
-    for one, name in ((math.tau, "a whole turn"), (math.pi, "half a turn")):
-        if abs(abs(turn) - one) < _NEAR * one:
-            offset = name
+    offset = turn_words(off["offset"]) or f"{off['offset']:.3g} rad"
     numbers = {
         "share": share, "lost": seconds, "pace": _pace_words(pace), "offset": offset,
         "drag_before": before["drag"], "drag_after": after["drag"],
