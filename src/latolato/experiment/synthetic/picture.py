@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.lens import distorted, undistorted
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
@@ -18,8 +18,8 @@ from latolato.experiment.synthetic.wall import make_wall
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
-# Length of the hand's arm and how far the fingers reach from the palm's middle, in its radii.
-_ARM, _FINGERS = 60.0, 2.3
+# A place whose undistorted one is not found to this is not shown by the lens [pixels].
+_FOLDED = 1e-3
 
 # First column and row of a part of the picture, and those after its last.
 Box = tuple[int, int, int, int]
@@ -38,7 +38,6 @@ class Projection:
         self.camera = camera
         self.scale = camera.pixels_per_metre
         self.cosine, self.sine = math.cos(camera.roll), math.sin(camera.roll)
-        self.middle = (0.5 * (camera.width - 1), 0.5 * (camera.height - 1))
         # The clicked pivot is a point of the picture as shown.
         u, v = self.straightened(np.array(camera.pivot_u), np.array(camera.pivot_v))
         self.origin = (float(u), float(v))
@@ -57,33 +56,20 @@ class Projection:
     def distorted(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Columns and rows at which a lens shows undistorted points of the picture [pixels]."""
         camera = self.camera
-        if not camera.has_lens:
-            return u, v
-        du, dv = u - self.middle[0], v - self.middle[1]
-        q = (du * du + dv * dv) / camera.lens_scale**2
-        factor = 1.0 + q * (camera.k1 + camera.k2 * q)
-        return self.middle[0] + factor * du, self.middle[1] + factor * dv
+        shown = distorted(np.stack([u, v], axis=-1), (camera.width, camera.height), camera.optics)
+        return shown[..., 0], shown[..., 1]
 
     def straightened(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
-        """Return the undistorted places of points of the picture, by Newton's method."""
-        camera = self.camera
-        if not camera.has_lens:
-            return u, v
-        du, dv = u - self.middle[0], v - self.middle[1]
-        aim = np.hypot(du, dv) / camera.lens_scale
-        q = np.array(aim)
-        for _ in range(50):
-            value = q * (1.0 + q * q * (camera.k1 + camera.k2 * q * q))
-            slope = 1.0 + q * q * (3.0 * camera.k1 + 5.0 * camera.k2 * q * q)
-            if np.any(slope <= 0.05):
-                raise InputError(
-                    "k1, k2 must not fold the picture over itself",
-                    value=(camera.k1, camera.k2),
-                    way_out="give smaller ones or a longer focal_length",
-                )
-            q = q - (value - aim) / slope
-        factor = np.divide(q, aim, out=np.ones_like(q), where=aim > 0.0)
-        return self.middle[0] + factor * du, self.middle[1] + factor * dv
+        """Return the undistorted places of points of the picture."""
+        camera, shown = self.camera, np.stack([u, v], axis=-1)
+        true = undistorted(shown, (camera.width, camera.height), camera.optics)
+        if not np.allclose(self.distorted(true[..., 0], true[..., 1]), (u, v), atol=_FOLDED):
+            raise InputError(
+                "k1, k2 must not fold the picture over itself",
+                value=(camera.k1, camera.k2),
+                way_out="give smaller ones or a longer focal_length",
+            )
+        return true[..., 0], true[..., 1]
 
 
 class Renderer:
@@ -99,8 +85,6 @@ class Renderer:
         Radius of each ball [m].
     heights : tuple of float
         Lowest and highest place of the pivot [m].
-    length : float
-        Length of the longer pendulum [m].
     seed : int
         Of texture and noise.
     """
@@ -112,11 +96,10 @@ class Renderer:
         *,
         radii: tuple[float, ...],
         heights: tuple[float, float],
-        length: float,
         seed: int,
     ) -> None:
         self.scene, self.camera, self.seed = scene, camera, seed
-        self.radii, self.length = radii, length
+        self.radii = radii
         self.projection = Projection(camera)
         random = np.random.default_rng([seed, 0])
         shape = (camera.height, camera.width)
@@ -128,12 +111,12 @@ class Renderer:
             self._draw_parked(wall)
         self._wall = wall
         self._pad = math.ceil(3.5 * camera.blur)
-        self.background = self._blurred(self._covered(wall, 0, 0, None))
+        self.background = self._blurred(self._covered(wall, 0, 0))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
 
-    def frame(self, number: int, states: Floats, hand_x: float | None) -> NDArray[np.uint8]:
+    def frame(self, number: int, states: Floats) -> NDArray[np.uint8]:
         """Return the YUV 4:2:0 planes of a frame, shape (3 height/2, width), as stored.
 
         Parameters
@@ -142,10 +125,8 @@ class Renderer:
             Of the frame; fixes its noise.
         states : ndarray, shape (moment, line, point, 2)
             Undistorted u, v of pivot and balls [pixel].
-        hand_x : float, optional
-            Where the hand is [m].
         """
-        light = self.picture(states, hand_x)
+        light = self.picture(states)
         camera = self.camera
         height, width = camera.height, camera.width
         random = np.random.default_rng([self.seed, 1, number])
@@ -160,9 +141,9 @@ class Renderer:
         stored = np.concatenate([np.ascontiguousarray(plane).ravel() for plane in planes])
         return stored.reshape(-1, planes[0].shape[1])
 
-    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
+    def picture(self, states: Floats) -> Image:
         """Return the picture in linear light, shape (height, width, 3), without noise."""
-        u0, v0, u1, v1 = self._box(states, hand_x)
+        u0, v0, u1, v1 = self._box(states)
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
         camera, pad = self.camera, self._pad
@@ -171,7 +152,7 @@ class Renderer:
         axis = 1 if camera.rotation in (90, 270) else 0
         paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        part = self._blurred(self._covered(wall + total, u0, v0, hand_x))
+        part = self._blurred(self._covered(wall + total, u0, v0))
         # Blurring has continued the part's edges, where the background goes on.
         left, top = pad if u0 > 0 else 0, pad if v0 > 0 else 0
         right, bottom = pad if u1 < camera.width else 0, pad if v1 < camera.height else 0
@@ -181,21 +162,18 @@ class Renderer:
         ]
         return whole
 
-    def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
-        """Return the part of a ball's disc that something in front hides; u, v undistorted."""
+    def covered(self, u: float, v: float, ball: int) -> float:
+        """Return the part of a ball's disc that the post hides; u, v undistorted."""
+        if self.scene.post_width == 0.0:
+            return 0.0
         radius = self.radii[ball] * self.projection.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
-        hidden = np.zeros(int(inside.sum()))
-        places = u + radius * du[inside], v + radius * dv[inside]
-        if self.scene.post_width > 0.0:
-            hidden = np.maximum(hidden, self._post(*places)[0])
-        if hand_x is not None:
-            hidden = np.maximum(hidden, self._hand(*places, hand_x)[0])
+        hidden, _ = self._post(u + radius * du[inside], v + radius * dv[inside])
         return float(hidden.mean())
 
-    def _box(self, states: Floats, hand_x: float | None) -> Box:
+    def _box(self, states: Floats) -> Box:
         """Return the part of the picture that differs from the background."""
         look = self.look
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
@@ -207,28 +185,7 @@ class Renderer:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
-        box = self._box_of(low, high)
-        if hand_x is None:
-            return box
-        (u0, v0, u1, v1), hand = box, self._hand_box(hand_x)
-        return min(u0, hand[0]), min(v0, hand[1]), max(u1, hand[2]), max(v1, hand[3])
-
-    def _hand_box(self, hand_x: float) -> Box:
-        """Return the part of the picture that holds the hand with its arm."""
-        size, middle = self.scene.hand_radius, -self.scene.hand_depth * self.length
-        return self._scene_box(
-            (hand_x - size, hand_x + size),
-            (middle - (_ARM + 1.0) * size, middle + _FINGERS * size),
-        )
-
-    def _scene_box(self, xs: tuple[float, float], ys: tuple[float, float]) -> Box:
-        """Return the part of the picture that holds a rectangle of the scene [m]."""
-        projection = self.projection
-        x, y = np.meshgrid(projection.scale * np.array(xs), projection.scale * np.array(ys))
-        u = projection.origin[0] + projection.cosine * x - projection.sine * y
-        v = projection.origin[1] - projection.sine * x - projection.cosine * y
-        low, high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
-        return self._box_of(low - 1.0, high + 1.0)
+        return self._box_of(low, high)
 
     def _box_of(self, low: Floats, high: Floats) -> Box:
         """Return the part of the picture of undistorted places, with what its blur reaches."""
@@ -308,35 +265,12 @@ class Renderer:
         colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
         return np.clip(0.5 + half - np.abs(x), 0.0, 1.0), (0.55 + 0.45 * round_)[..., None] * colour
 
-    def _hand(self, u: Any, v: Any, hand_x: float) -> tuple[Any, Any]:
-        """Return how much the hand hides at undistorted points, and its linear colour (..., 3)."""
-        gap, size = self._hand_gap(u, v, hand_x), self.scene.hand_radius * self.projection.scale
-        shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
-        colour = np.array(linear_colour("hand_colour", self.scene.hand_colour), np.float32)
-        return np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * colour
-
-    def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
-        """Return the signed distance [pixel] from a palm, four fingers and an arm."""
-        scene, scale = self.scene, self.projection.scale
-        x, y = self._scene_places(u, v)
-        size = scene.hand_radius * scale
-        x, y = (x - hand_x * scale) / size, (y + scene.hand_depth * self.length * scale) / size
-        gap = np.hypot(x, y) - 1.0
-        for lean, reach in ((-0.55, 1.7), (-0.18, 2.0), (0.18, 1.95), (0.6, 1.6)):
-            gap = np.minimum(gap, _capsule(x, y, (0.6 * lean, 0.3), (lean, reach), 0.22))
-        gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
-        return gap * size
-
-    def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
-        """Return a part of the picture with post and hand in front."""
-        part = part.copy()
-        fronts: list[Any] = [self._post] if self.scene.post_width > 0.0 else []
-        if hand_x is not None:
-            fronts.append(partial(self._hand, hand_x=hand_x))
-        for front in fronts:
-            alpha, colour = front(*self._places(part.shape[:2], u0, v0))
-            part += alpha[..., None] * (colour - part)
-        return part
+    def _covered(self, part: Image, u0: int, v0: int) -> Image:
+        """Return a part of the picture with the post in front."""
+        if self.scene.post_width == 0.0:
+            return part
+        alpha, colour = self._post(*self._places(part.shape[:2], u0, v0))
+        return np.asarray(part + alpha[..., None] * (colour - part), np.float32)
 
     def _blurred(self, image: Image) -> Image:
         """Return an image blurred by the optics; its edges are continued."""
@@ -387,14 +321,6 @@ def _colours(scene: Scene) -> Floats:
     colours = np.array([linear_colour(n, t) for n, t in zip(names, texts, strict=True)])
     assert len(colours) == BOLT + 1
     return colours
-
-
-def _capsule(x: Any, y: Any, start: tuple[float, float], end: tuple[float, float], r: float) -> Any:
-    """Return the signed distance from a thick line."""
-    du, dv = end[0] - start[0], end[1] - start[1]
-    along = ((x - start[0]) * du + (y - start[1]) * dv) / (du * du + dv * dv)
-    along = np.clip(along, 0.0, 1.0)
-    return np.hypot(x - start[0] - along * du, y - start[1] - along * dv) - r
 
 
 def _gain(camera: Camera) -> Image:

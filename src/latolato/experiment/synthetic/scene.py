@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
 from latolato.core.registry import check_fields, checked_choice, checked_count
+from latolato.experiment.calibration.lens import Optics
 
 BACKGROUNDS = ("plain", "gradient", "texture", "wood")
 ROTATIONS = (0, 90, 180, 270)
@@ -67,11 +69,6 @@ class Scene:
     post_width: float = _number(0.0, "m", "width of a vertical post in front")
     post_x: float = _number(0.06, "m", "where the post stands", Range())
     post_colour: str = _text("#3b6b4c", "colour of the post")
-    hand_radius: float = _number(0.0, "m", "size of a hand that passes in front")
-    hand_time: float = _number(3.0, "s", "when the hand is below the pivot")
-    hand_speed: float = _number(0.25, "m/s", "speed of the hand to the right", Range())
-    hand_depth: float = _number(0.8, "1", "how far down it passes, over the length", Range())
-    hand_colour: str = _text("#c98d6b", "colour of the hand")
     parked_x: float = _number(0.0, "m", "where a second ball is parked; with y = 0: none", Range())
     parked_y: float = _number(0.0, "m", "where a second ball is parked", Range())
 
@@ -169,10 +166,12 @@ class Camera:
         return self.width if self.rotation in (90, 270) else self.height
 
     @property
-    def lens_scale(self) -> float:
-        """Distance from the middle at which q = 1 [pixel]."""
-        half_diagonal: float = 0.5 * (self.width**2 + self.height**2) ** 0.5
-        return self.focal_length or half_diagonal
+    def optics(self) -> Optics:
+        """What a user would declare about it to the tracker."""
+        half_diagonal = 0.5 * math.hypot(self.width, self.height)
+        wider = half_diagonal / (self.focal_length or half_diagonal)
+        k1, k2 = self.k1 * wider**2, self.k2 * wider**4
+        return Optics(row_time=self.row_time, lens_k1=k1, lens_k2=k2)
 
     @property
     def has_lens(self) -> bool:

@@ -168,8 +168,6 @@ class Film:
         Time stamps [tick].
     begin : float
         The run's time at video time 0 [s].
-    hands : list
-        Where the hand is in each frame [m], or None.
     """
 
     run: xr.Dataset
@@ -177,7 +175,6 @@ class Film:
     renderer: Renderer
     stamps: Any
     begin: float
-    hands: list[Any]
 
     @property
     def camera(self) -> Camera:
@@ -196,11 +193,11 @@ class Film:
 
     def frame(self, number: int) -> Any:
         """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
-        return self.renderer.frame(number, self.states(number), self.hands[number])
+        return self.renderer.frame(number, self.states(number))
 
     def picture(self, number: int) -> Any:
         """Return a frame as shown in linear light, without noise, shape (height, width, 3)."""
-        return self.renderer.picture(self.states(number), self.hands[number])
+        return self.renderer.picture(self.states(number))
 
     def truth(self) -> xr.Dataset:
         """Return the track table that is true of the video."""
@@ -225,13 +222,9 @@ def prepare(
         camera,
         radii=motion.radii,
         heights=(float(motion.heights.min()), float(motion.heights.max())),
-        length=max(motion.lengths),
         seed=seed,
     )
-    hands = (scene.hand_speed * (times - scene.hand_time)).tolist()
-    if scene.hand_radius <= 0.0:
-        hands = [None] * len(times)
-    return Film(run, motion, renderer, stamps, begin, hands)
+    return Film(run, motion, renderer, stamps, begin)
 
 
 def _frames(film: Film, progress: Callable[[float], None] | None) -> Iterator[tuple[int, Any]]:
@@ -426,8 +419,8 @@ def _true_table(film: Film) -> xr.Dataset:
         columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
         columns[f"angle_{i + 1}"] = angle
         columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
-        places = zip(*projection.flat(x, y), film.hands, strict=True)
-        hidden = np.array([renderer.covered(a, b, i, hand) for a, b, hand in places])
+        places = zip(*projection.flat(x, y), strict=True)
+        hidden = np.array([renderer.covered(u, v, i) for u, v in places])
         flags = np.where(touches, "collision", "ok")
         columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
         extra[f"covered_{i + 1}"] = hidden
