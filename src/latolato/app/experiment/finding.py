@@ -17,7 +17,7 @@ from latolato.physics.pendulum import equivalent_pendulum
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.experiment.fits.apparatus import Apparatus
+    from latolato.experiment.fits.registry import Apparatus
 
 # A sentence of `FINDINGS`, in the form of those of `InputError.parts`, or the doubt of a fit.
 Sentence = dict[str, Any] | str

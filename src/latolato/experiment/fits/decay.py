@@ -16,8 +16,6 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.adequacy import solutions_of
-from latolato.experiment.fits.apparatus import Apparatus
-from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.free_swing import COEFFICIENTS, fit_best, fit_equation, guess_of
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
@@ -25,7 +23,7 @@ from latolato.experiment.fits.least_squares import (
     Guess,
     Solution,
 )
-from latolato.experiment.fits.registry import FitKind, fits
+from latolato.experiment.fits.registry import Apparatus, FitKind, fits
 from latolato.experiment.fits.result import (
     TWO_SIDED,
     Adequacy,
@@ -50,8 +48,11 @@ from latolato.experiment.fits.swing_doubt import doubt_of
 from latolato.experiment.fits.swings import (
     SPARSE,
     Swings,
+    amplitude_of,
     are_turning_points,
     crossings,
+    effective_amplitude,
+    fit_envelope,
     free_start,
     period_factor,
     samples_per_swing,
@@ -191,7 +192,7 @@ def fit_decay(
     seen = _seen(data)
     if declared is None:
         _check_rest(piece, gravity / seen.first["natural_frequency"] ** 2)
-    body = _Body(declared, mass, radius, gravity)
+    body = Apparatus(length=declared, mass=mass, radius=radius, gravity=gravity)
     aside = sight_guesses(table, data)
     parts = []
     if method != "envelope" and seen.has_motion:
@@ -224,7 +225,13 @@ def fit_decay(
         verdict += f" {repeats} samples that repeat the one before were left out."
     adequacy = parts[0].adequacy
     return make_fit(
-        "decay", estimates, verdict, curves, about, system=body.system(estimates), adequacy=adequacy
+        "decay",
+        estimates,
+        verdict,
+        curves,
+        about,
+        system=_system(body, estimates),
+        adequacy=adequacy,
     )
 
 
@@ -266,7 +273,7 @@ def _by_equation(
     data: Data,
     first: Mapping[str, float],
     aside: Mapping[str, Guess],
-    body: _Body,
+    body: Apparatus,
     law: str,
     *,
     compare: bool,
@@ -278,8 +285,8 @@ def _by_equation(
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
     chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
     adequacy, solution = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
-    estimates = body.estimates(solution, LAWS[chosen])
-    sentences = [body.verdict(estimates, solution, chosen)]
+    estimates = _estimates(body, solution, LAWS[chosen])
+    sentences = [_equation_verdict(body, estimates, solution, chosen)]
     if compare:
         sentences.append(_law_verdict(laws, chosen))
     if chosen != law:
@@ -307,7 +314,7 @@ def _by_envelope(
     swings: Swings,
     first: Mapping[str, float],
     aside: Mapping[str, Guess],
-    body: _Body,
+    body: Apparatus,
     equation: Mapping[str, Estimate] | None,
     *,
     profile: bool,
@@ -329,7 +336,7 @@ def _by_envelope(
         lost = isinstance(error, ConvergenceError)
         return _Part({}, {}, {}, ["The fit of the envelope did not converge." if lost else few])
     equation = equation or {}
-    estimates = body.envelope(solution, equation.get("length"), first)
+    estimates = _envelope_estimates(body, solution, equation.get("length"), first)
     curves: dict[str, tuple[str, Any]] = {
         "swing_time": ("swing", swings.times),
         "swing_angle": ("swing", swings.angles),
@@ -539,122 +546,119 @@ def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float
     return {**first, **shares}
 
 
-@dataclass(frozen=True)
-class _Body:
-    """What is known of the ball beforehand."""
+def _system(body: Apparatus, estimates: Mapping[str, Estimate]) -> Pendulum | None:
+    """Return the pendulum that swings, None if its mass or its drag is unknown."""
+    drags: dict[str, Any] = {
+        name: estimates[name].value for name in COEFFICIENTS.values() if name in estimates
+    }
+    # A swing that grows is driven by something that no pendulum has.
+    if body.mass is None or not drags or min(drags.values()) < 0.0:
+        return None
+    length = estimates["length"].value
+    return Pendulum(length=length, mass=body.mass, gravity=body.gravity, **drags)
 
-    length: float | None
-    mass: float | None
-    radius: float | None
-    gravity: float
 
-    def system(self, estimates: Mapping[str, Estimate]) -> Pendulum | None:
-        """Return the pendulum that swings, None if its mass or its drag is unknown."""
-        drags: dict[str, Any] = {
-            name: estimates[name].value for name in COEFFICIENTS.values() if name in estimates
-        }
-        # A swing that grows is driven by something that no pendulum has.
-        if self.mass is None or not drags or min(drags.values()) < 0.0:
-            return None
-        length = estimates["length"].value
-        return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
+def _estimates(body: Apparatus, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
+    """Return the estimates under their public names."""
+    rate = solution.estimate("natural_frequency", "rad/s")
+    length = rate.power(body.gravity, -2, "m")
+    estimates: dict[str, Estimate] = {}
+    lever = body.length or length.value
+    for term in terms:
+        raw = solution.estimate(term, "1/s")
+        unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
+        if body.mass is not None:
+            estimates[COEFFICIENTS[term]] = raw.scaled(body.mass * lever, unit)
+        if term == "linear":
+            estimates["decay_rate"] = raw.scaled(0.5, "1/s")
+    period = rate.power(math.tau, -1, "s")
+    estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
+    if body.radius is not None:
+        estimates["centre_length"] = _centre(body.radius, length)
+    for name, unit in (
+        ("angle_offset", "rad"),
+        ("initial_angle", "rad"),
+        ("initial_angular_velocity", "rad/s"),
+    ):
+        estimates[name] = solution.estimate(name, unit)
+    for name in (ASIDE, ABOVE):
+        if name in solution.values:
+            estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
+    return estimates
 
-    def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
-        """Return the estimates under their public names."""
-        rate = solution.estimate("natural_frequency", "rad/s")
-        length = rate.power(self.gravity, -2, "m")
-        estimates: dict[str, Estimate] = {}
-        lever = self.length or length.value
-        for term in terms:
-            raw = solution.estimate(term, "1/s")
-            unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
-            if self.mass is not None:
-                estimates[COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
-            if term == "linear":
-                estimates["decay_rate"] = raw.scaled(0.5, "1/s")
-        period = rate.power(math.tau, -1, "s")
-        estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
-        if self.radius is not None:
-            estimates["centre_length"] = self._centre(length)
-        for name, unit in (
-            ("angle_offset", "rad"),
-            ("initial_angle", "rad"),
-            ("initial_angular_velocity", "rad/s"),
-        ):
-            estimates[name] = solution.estimate(name, unit)
-        for name in (ASIDE, ABOVE):
-            if name in solution.values:
-                estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
-        return estimates
 
-    def envelope(
-        self, solution: Solution, length: Estimate | None, first: Mapping[str, float]
-    ) -> dict[str, Estimate]:
-        """Return the estimates of the envelope."""
-        estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
-        if self.mass is not None:
-            dynamic = length.value if length else self.gravity / first["natural_frequency"] ** 2
-            factor = 2.0 * self.mass * (self.length or dynamic)
-            rate = estimates["decay_rate_envelope"]
-            estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
-        return estimates
+def _envelope_estimates(
+    body: Apparatus, solution: Solution, length: Estimate | None, first: Mapping[str, float]
+) -> dict[str, Estimate]:
+    """Return the estimates of the envelope."""
+    estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
+    if body.mass is not None:
+        dynamic = length.value if length else body.gravity / first["natural_frequency"] ** 2
+        factor = 2.0 * body.mass * (body.length or dynamic)
+        rate = estimates["decay_rate_envelope"]
+        estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
+    return estimates
 
-    def drag_words(self, estimates: Mapping[str, Estimate], law: str) -> list[str]:
-        """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
-        rate = estimates.get("decay_rate")
-        if law != "linear" or rate is None:
-            return [f"{quantity_of(n).long_name} {estimates[n]}" for n in COEFFICIENTS.values()
-                    if n in estimates]  # fmt: skip
-        if rate.value < -_SURE * rate.sigma:
-            return [f"a swing that grows by {rate.scaled(-1.0, '1/s')}"]
-        if rate.value < _SURE * rate.sigma:
-            limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
-            words = f"no drag within its error (decay rate below {limit:.2g} 1/s"
-            if "damping" in estimates:
-                ratio = estimates["damping"].sigma / rate.sigma
-                words += f", C below {limit * ratio:.2g} kg m/s"
-            return [f"{words})"]
-        parts = [f"decay rate {rate}"]
-        return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
 
-    def _centre(self, length: Estimate) -> Estimate:
-        """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
-        assert self.radius is not None
-        bulk = 1.6 * self.radius**2
-        if length.value**2 <= bulk:
-            raise InputError(
-                f"must be less than the length {length.value:.4g} m from the dynamics",
-                parameter="radius",
-                value=self.radius,
-            )
-        centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
-        return length.scaled(centre / length.value, "m")
+def _drag_words(estimates: Mapping[str, Estimate], law: str) -> list[str]:
+    """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
+    rate = estimates.get("decay_rate")
+    if law != "linear" or rate is None:
+        return [f"{quantity_of(n).long_name} {estimates[n]}" for n in COEFFICIENTS.values()
+                if n in estimates]  # fmt: skip
+    if rate.value < -_SURE * rate.sigma:
+        return [f"a swing that grows by {rate.scaled(-1.0, '1/s')}"]
+    if rate.value < _SURE * rate.sigma:
+        limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
+        words = f"no drag within its error (decay rate below {limit:.2g} 1/s"
+        if "damping" in estimates:
+            ratio = estimates["damping"].sigma / rate.sigma
+            words += f", C below {limit * ratio:.2g} kg m/s"
+        return [f"{words})"]
+    parts = [f"decay rate {rate}"]
+    return [f"C = {estimates['damping']}", *parts] if "damping" in estimates else parts
 
-    def verdict(self, estimates: Mapping[str, Estimate], solution: Solution, law: str) -> str:
-        """Return the result of the equation in plain words."""
-        parts = [f"a period of {estimates['period']} for small swings"]
-        parts += self.drag_words(estimates, law)
-        parts.append(
-            f"length from the dynamics {estimates['length']} "
-            f"(of a point, with g = {self.gravity:g} m/s^2 taken as exact)"
+
+def _centre(radius: float, length: Estimate) -> Estimate:
+    """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
+    bulk = 1.6 * radius**2
+    if length.value**2 <= bulk:
+        raise InputError(
+            f"must be less than the length {length.value:.4g} m from the dynamics",
+            parameter="radius",
+            value=radius,
         )
-        words = f"With {law} drag the equation gives {', '.join(parts)}."
-        if self.length is not None:
-            away = estimates["length"].value / self.length - 1.0
-            limit = max(3.0 * estimates["length"].sigma / self.length, 0.003)
-            if abs(away) > limit:
-                share = f"{abs(100 * away):.2g} % {'less' if away > 0 else 'more'} than"
-                if not -0.5 < away < 1.0:
-                    share = f"{1.0 / (1.0 + away):.2g} times what"
-                words += (
-                    f" The declared length {self.length:g} m is {share} the dynamics give: check "
-                    "the length, gravity, the clock (frame rate, slow motion), or the mass of the "
-                    "rod."
-                )
-        words += size_question("length", estimates["length"].value)
-        if (~solution.kept).any():
-            words += f" {int((~solution.kept).sum())} outliers were left out."
-        return words
+    centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
+    return length.scaled(centre / length.value, "m")
+
+
+def _equation_verdict(
+    body: Apparatus, estimates: Mapping[str, Estimate], solution: Solution, law: str
+) -> str:
+    """Return the result of the equation in plain words."""
+    parts = [f"a period of {estimates['period']} for small swings"]
+    parts += _drag_words(estimates, law)
+    parts.append(
+        f"length from the dynamics {estimates['length']} "
+        f"(of a point, with g = {body.gravity:g} m/s^2 taken as exact)"
+    )
+    words = f"With {law} drag the equation gives {', '.join(parts)}."
+    if body.length is not None:
+        away = estimates["length"].value / body.length - 1.0
+        limit = max(3.0 * estimates["length"].sigma / body.length, 0.003)
+        if abs(away) > limit:
+            share = f"{abs(100 * away):.2g} % {'less' if away > 0 else 'more'} than"
+            if not -0.5 < away < 1.0:
+                share = f"{1.0 / (1.0 + away):.2g} times what"
+            words += (
+                f" The declared length {body.length:g} m is {share} the dynamics give: check "
+                "the length, gravity, the clock (frame rate, slow motion), or the mass of the "
+                "rod."
+            )
+    words += size_question("length", estimates["length"].value)
+    if (~solution.kept).any():
+        words += f" {int((~solution.kept).sum())} outliers were left out."
+    return words
 
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> str:
