@@ -13,13 +13,18 @@ from latolato.experiment.calibration.lens import distorted, undistorted
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
-from latolato.experiment.synthetic.wall import make_wall
 
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
 # A place whose undistorted one is not found to this is not shown by the lens [pixels].
 _FOLDED = 1e-3
+
+# Colours of band, rods, block, bolt, rail and post (sRGB); where light comes from; and the shift of
+# shadows to the right and upwards, and the width of their edges [m].
+_BAND, _ROD, _BLOCK, _BOLT = "#f4f1e8", "#4a4d52", "#8d939c", "#1c1e22"
+_RAIL, _POST = "#c3c7cc", "#3b6b4c"
+_LIGHT, _SHADOW, _SOFT = (-0.45, 0.6), (0.03, -0.03), 0.008
 
 # First column and row of a part of the picture, and those after its last.
 Box = tuple[int, int, int, int]
@@ -243,7 +248,7 @@ class Renderer:
         low = scale * (heights[0] - scene.block_height)
         part = np.clip(0.5 + half - np.abs(x), 0.0, 1.0) * np.clip(0.5 + y - low, 0.0, 1.0)
         shade = 1.0 - 0.3 * np.clip(np.abs(x) / half, 0.0, 1.0) ** 2
-        colour = np.array(linear_colour("rail_colour", scene.rail_colour), np.float32)
+        colour = np.array(linear_colour("rail_colour", _RAIL), np.float32)
         part = part.astype(np.float32)[..., None]
         wall += part * (shade.astype(np.float32)[..., None] * colour - wall)
 
@@ -262,7 +267,7 @@ class Renderer:
         x = self._scene_places(u, v)[0] - scene.post_x * scale
         half = 0.5 * scene.post_width * scale
         round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
-        colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
+        colour = np.array(linear_colour("post_colour", _POST), np.float32)
         return np.clip(0.5 + half - np.abs(x), 0.0, 1.0), (0.55 + 0.45 * round_)[..., None] * colour
 
     def _covered(self, part: Image, u0: int, v0: int) -> Image:
@@ -286,11 +291,8 @@ def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Loo
     scale = projection.scale
     # Light and shadow are directions of the scene, which the camera sees turned.
     turn = np.array([[projection.cosine, -projection.sine], [-projection.sine, -projection.cosine]])
-    light = turn @ np.array([scene.light_x, scene.light_y])
-    size = float(np.hypot(*light))
-    if size > 1.0:
-        light = light / size
-    shadow = scale * turn @ np.array([scene.shadow_x, scene.shadow_y])
+    light = turn @ np.array(_LIGHT)
+    shadow = scale * turn @ np.array(_SHADOW)
     return Look(
         radii=(scale * radii[0], scale * radii[-1]),
         rod=0.5 * scale * scene.rod_width,
@@ -309,18 +311,15 @@ def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Loo
         shadow=scene.shadow_darkness,
         shadow_u=float(shadow[0]),
         shadow_v=float(shadow[1]),
-        softness=max(scale * scene.shadow_softness, 1.0),
+        softness=max(scale * _SOFT, 1.0),
     )
 
 
 def _colours(scene: Scene) -> Floats:
     """Return the linear colours in the order of `latolato.experiment.synthetic.render`."""
-    names = ("ball_colour", "left_ball_colour", "pattern_colour", "rod_colour", "block_colour",
-             "bolt_colour")  # fmt: skip
-    texts = [getattr(scene, name) or scene.ball_colour for name in names]
-    colours = np.array([linear_colour(n, t) for n, t in zip(names, texts, strict=True)])
-    assert len(colours) == BOLT + 1
-    return colours
+    texts = [scene.ball_colour, scene.ball_colour, _BAND, _ROD, _BLOCK, _BOLT]
+    assert len(texts) == BOLT + 1
+    return np.array([linear_colour("ball_colour", text) for text in texts])
 
 
 def _gain(camera: Camera) -> Image:
@@ -335,3 +334,49 @@ def _tones() -> Image:
     x = np.linspace(0.0, 1.0, _CODES)
     codes = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
     return np.asarray(codes, np.float32)
+
+
+def make_wall(scene: Scene, shape: tuple[int, int], random: np.random.Generator) -> Image:
+    """Return the background in linear light, shape (height, width, 3)."""
+    base = np.array(linear_colour("wall_colour", scene.wall_colour), np.float32)
+    wall = np.broadcast_to(base, (*shape, 3)).astype(np.float32)
+    if scene.background == "plain" or scene.contrast == 0.0:
+        return wall
+    v, u = np.mgrid[0.0 : 1.0 : shape[0] * 1j, 0.0 : 1.0 : shape[1] * 1j]
+    if scene.background == "gradient":
+        light = 1.0 + scene.contrast * (0.6 * (0.5 - u) + 0.8 * (0.5 - v))
+        tint = np.array([1.05, 1.0, 0.93], np.float32) ** np.float32(scene.contrast)
+        return np.asarray(wall * light[..., None] * tint, np.float32)
+    if scene.background == "texture":
+        strength = 0.22
+        sizes = (240.0, 90.0, 30.0, 10.0, 4.0)
+        light = sum(_clouds(shape, (s, s), random) * 0.85**i for i, s in enumerate(sizes))
+        tint = _clouds(shape, (150.0, 150.0), random)
+    else:
+        strength = 0.42
+        plank = 140.0
+        grain = _clouds(shape, (4.0, 300.0), random) + 0.6 * _clouds(shape, (12.0, 500.0), random)
+        warp = 8.0 * _clouds(shape, (60.0, 260.0), random)
+        ring = np.sin((v * shape[0] + warp * 3.0) / 5.5 + 2.0 * grain)
+        row = np.floor(v * shape[0] / plank).astype(int)
+        tone = random.normal(0.0, 0.8, row.max() + 1)[row]
+        gap = np.abs(v * shape[0] / plank % 1.0 * plank - 1.0) < 1.5
+        light = 0.5 * grain + 0.35 * ring + 0.6 * tone - 2.5 * gap
+        tint = 0.8 + 0.5 * tone
+    factor = np.exp(strength * scene.contrast * light)[..., None]
+    warmth = np.array([0.2, 0.0, -0.3]) * strength * scene.contrast * tint[..., None]
+    return np.asarray(np.clip(wall * factor * np.exp(warmth), 0.0, 1.0), np.float32)
+
+
+def _clouds(
+    shape: tuple[int, int], size: tuple[float, float], random: np.random.Generator
+) -> Floats:
+    """Return smooth noise of unit variance with structures of a size [pixel], v and u."""
+    from scipy.ndimage import map_coordinates
+
+    counts = [math.ceil(n / s) + 4 for n, s in zip(shape, size, strict=True)]
+    grid = random.standard_normal(counts)
+    v = 1.0 + np.arange(shape[0]) / size[0] + random.uniform()
+    u = 1.0 + np.arange(shape[1]) / size[1] + random.uniform()
+    values = map_coordinates(grid, np.meshgrid(v, u, indexing="ij"), order=3, prefilter=False)
+    return np.asarray(values / values.std())

@@ -41,7 +41,7 @@ _OCCLUDED = 0.02
 _TOUCHING = 1e-6
 # Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
 _SMOOTH = 0.45
-_MOST_MOMENTS = 400
+_LEAST_MOMENTS, _MOST_MOMENTS = 8, 400
 # Frames that are painted ahead of the encoder.
 _AHEAD = 4
 
@@ -200,8 +200,62 @@ class Film:
         return self.renderer.picture(self.states(number))
 
     def truth(self) -> xr.Dataset:
-        """Return the track table that is true of the video."""
-        return _true_table(self)
+        """Return the track table that is true of the video, with the clicks as attributes."""
+        motion, run, renderer, begin = self.motion, self.run, self.renderer, self.begin
+        camera, projection, times = self.camera, renderer.projection, self.times
+        height, angles = motion.at(begin + times)
+        columns: dict[str, Any] = {
+            "time": times,
+            "pivot_x": np.zeros_like(times),
+            "pivot_y": height,
+        }
+        half = 0.5 * camera.exposure / camera.fps
+        moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
+        touches = _touches(motion, moments)
+        extra = {}
+        clicks: dict[str, float] = {}
+        u, v = projection.in_picture(0.0, height[0])
+        clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
+        for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
+            x, y = length * np.sin(angle), height - length * np.cos(angle)
+            columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
+            columns[f"angle_{i + 1}"] = angle
+            columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
+            places = zip(*projection.flat(x, y), strict=True)
+            hidden = np.array([renderer.covered(u, v, i) for u, v in places])
+            flags = np.where(touches, "collision", "ok")
+            columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
+            extra[f"covered_{i + 1}"] = hidden
+            u, v = projection.in_picture(x[0], y[0])
+            clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
+        attributes = {
+            **{
+                k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"
+            },
+            "title": f"truth of a synthetic video of {run.attrs['system']}",
+            "length": max(motion.lengths),
+            "radius": motion.radii[0],
+            "metres_per_pixel": 1.0 / projection.scale,
+            "gravity_direction": camera.roll,
+            **clicks,
+            "run_time": begin,
+            "system": run.attrs["system"],
+            "drive": run.attrs["drive"],
+            "scenario": run.attrs["scenario"],
+            "scene": json.dumps(describe(renderer.scene)),
+            "camera": json.dumps(describe(camera)),
+        }
+        table = track_table(columns, attributes)
+        for name, values in extra.items():
+            meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
+            table[name] = ("frame", values, meaning)
+        meaning = {
+            "units": "1",
+            "long_name": "whether balls touch during the exposure",
+            "symbol": "",
+        }
+        table["is_contact"] = ("frame", touches, meaning)
+        return table
 
 
 def prepare(
@@ -384,7 +438,7 @@ def exposure_states(motion: Motion, camera: Camera, projection: Projection, time
     ends = _states(motion, projection, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
     # Twice the larger half, for the motion may turn round.
     steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
-    least = camera.sub_exposures
+    least = _LEAST_MOMENTS
     count = 2 * min(steps, _MOST_MOMENTS) if steps > least else least
     moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
     return _states(motion, projection, time + late + moments[:, None])
@@ -399,58 +453,6 @@ def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
         for angle, length in zip(angles, motion.lengths, strict=True)
     ]
     return np.moveaxis(np.array(points), (0, 1), (-2, -1)).copy()
-
-
-def _true_table(film: Film) -> xr.Dataset:
-    """Return the track table of what was filmed, with the clicks as attributes."""
-    motion, run, renderer, begin = film.motion, film.run, film.renderer, film.begin
-    camera, projection, times = film.camera, renderer.projection, film.times
-    height, angles = motion.at(begin + times)
-    columns: dict[str, Any] = {"time": times, "pivot_x": np.zeros_like(times), "pivot_y": height}
-    half = 0.5 * camera.exposure / camera.fps
-    moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
-    touches = _touches(motion, moments)
-    extra = {}
-    clicks: dict[str, float] = {}
-    u, v = projection.in_picture(0.0, height[0])
-    clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
-    for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
-        x, y = length * np.sin(angle), height - length * np.cos(angle)
-        columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
-        columns[f"angle_{i + 1}"] = angle
-        columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
-        places = zip(*projection.flat(x, y), strict=True)
-        hidden = np.array([renderer.covered(u, v, i) for u, v in places])
-        flags = np.where(touches, "collision", "ok")
-        columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
-        extra[f"covered_{i + 1}"] = hidden
-        u, v = projection.in_picture(x[0], y[0])
-        clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
-    if renderer.scene.is_parked:
-        u, v = projection.in_picture(renderer.scene.parked_x, renderer.scene.parked_y)
-        clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
-    attributes = {
-        **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
-        "title": f"truth of a synthetic video of {run.attrs['system']}",
-        "length": max(motion.lengths),
-        "radius": motion.radii[0],
-        "metres_per_pixel": 1.0 / projection.scale,
-        "gravity_direction": camera.roll,
-        **clicks,
-        "run_time": begin,
-        "system": run.attrs["system"],
-        "drive": run.attrs["drive"],
-        "scenario": run.attrs["scenario"],
-        "scene": json.dumps(describe(renderer.scene)),
-        "camera": json.dumps(describe(camera)),
-    }
-    table = track_table(columns, attributes)
-    for name, values in extra.items():
-        meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
-        table[name] = ("frame", values, meaning)
-    meaning = {"units": "1", "long_name": "whether balls touch during the exposure", "symbol": ""}
-    table["is_contact"] = ("frame", touches, meaning)
-    return table
 
 
 def _touches(motion: Motion, moments: Floats) -> Any:
