@@ -76,10 +76,9 @@ class Scene:
 class Camera:
     """How the scene is filmed; pixels count from the upper left corner of the picture shown.
 
-    The time stamp of a frame is the middle of the exposure of its row `stamp_row`. With a
-    `row_time` row i of the stored picture is exposed ``(i - stamp_row (rows - 1)) row_time``
-    later. A point at distance r from the picture's middle appears at ``r (1 + k1 q^2 + k2 q^4)``,
-    q = r/`focal_length`.
+    The time stamp of a frame is the middle of its first row's exposure. With a `row_time` row i of
+    the stored picture is exposed ``i row_time`` later. A point at distance r from the picture's
+    middle appears at ``r (1 + k1 q^2 + k2 q^4)``, q = r/`focal_length`.
     """
 
     width: int = field(default=1280, metadata={"description": "width as shown [pixel]"})
@@ -102,8 +101,6 @@ class Camera:
         },
     )
     row_time: float = _number(0.0, "s", "time between rows of a rolling shutter")
-    stamp_row: float = _number(0.0, "1", "row to which the time stamp refers: 0 first, 1 last",
-                               UNIT_INTERVAL)  # fmt: skip
     k1: float = _number(0.0, "1", "radial lens coefficient", Range(-0.5, 0.5))
     k2: float = _number(0.0, "1", "second radial lens coefficient", Range(-0.5, 0.5))
     focal_length: float = _number(0.0, "pixel", "focal length; 0: half the diagonal")

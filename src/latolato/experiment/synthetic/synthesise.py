@@ -128,8 +128,8 @@ def synthesise_video(
     -----
     Light is added up in linear values: covered parts of pixels, moments of the exposure (more
     where things move by over 0.45 pixel between two), a Gaussian blur; then come shot and read
-    noise, the sRGB tone curve and BT.709 codes. Video time 0 is half an exposure into the run (and
-    later by what a rolling shutter needs); the attribute ``run_time`` says when exactly.
+    noise, the sRGB tone curve and BT.709 codes. Video time 0 is half an exposure into the run,
+    as the attribute ``run_time`` says.
     """
     path = Path(path)
     check_target(path, truth)
@@ -327,8 +327,7 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     pause = 1.0 / camera.fps
     half = 0.5 * camera.exposure * pause
     readout = camera.row_time * (camera.rows - 1)
-    begin = half + readout * camera.stamp_row
-    room = float(run["time"][-1]) - begin - half - readout * (1.0 - camera.stamp_row)
+    room = float(run["time"][-1]) - 2.0 * half - readout
     count = math.floor(room / pause + 1e-9) + 1
     if count < 2:
         raise InputError(
@@ -354,7 +353,7 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     stamps = np.round(times * TICKS).astype(np.int64)
     # The last stamp may round up beyond the run's end.
     stamps[-1] = min(stamps[-1], math.floor(max(room, 0.0) * TICKS))
-    return stamps, begin
+    return stamps, half
 
 
 def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion, xr.Dataset]:
@@ -433,7 +432,7 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
 def exposure_states(motion: Motion, camera: Camera, projection: Projection, time: float) -> Floats:
     """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, point, 2)."""
     rows = camera.rows if camera.row_time > 0.0 else 1
-    late = camera.row_time * (np.arange(rows) - camera.stamp_row * (rows - 1))
+    late = camera.row_time * np.arange(rows)
     half = 0.5 * camera.exposure / camera.fps
     ends = _states(motion, projection, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
     # Twice the larger half, for the motion may turn round.
