@@ -311,8 +311,11 @@ def make_fit(
             variables[f"{name}_{part}"] = ((), getattr(estimate, part), meaning)
     for name, (dimension, values) in curves.items():
         variables[name] = (dimension, values, QUANTITIES[name].attributes)
-    kept = {key: value for key, value in attributes.items() if value is not None}
-    kept = {key: int(v) if isinstance(v, bool) else v for key, v in kept.items()}
+    kept = {
+        key: int(value) if isinstance(value, bool) else value
+        for key, value in {**attributes, **adequacy.attributes}.items()
+        if value is not None
+    }
     if drive is not None:
         from latolato.physics.drives import drives
 
@@ -321,9 +324,6 @@ def make_fit(
         from latolato.physics.pendulum import systems
 
         kept["system_description"] = json.dumps(systems.described(system))
-    for key, value in adequacy.attributes.items():
-        if value is not None:
-            kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
         advice = OF_A_PART if adequacy.is_in_record else ""
         verdict = f"{adequacy.doubt} {_WITHHELD}{advice}."

@@ -129,9 +129,16 @@ def doubt_of(
     alone : bool
         Whether no other solution describes the samples nearly as well.
     """
-    adequacy = _before_any_cut(data, whole, alone=alone)
-    if adequacy is not None:
-        return adequacy, whole
+    if not alone:
+        at = float(data.times[int(np.argmax(np.diff(data.times)))])
+        words = (
+            f"The record does not tell how many swings there were in its gap at {at:.4g} s: "
+            "several lengths describe it equally well."
+        )
+        return Adequacy(words, "gap", at), whole
+    aside_doubt = pivot_doubt(whole)
+    if aside_doubt is not None:
+        return aside_doubt, whole
     few = misfit_doubt(whole, data)
     fit_part = part_fitter(whole, terms, aside)
     period = math.tau / whole.values["natural_frequency"]
@@ -162,19 +169,6 @@ def doubt_of(
         f"and it looks as if {told}."
     )
     return Adequacy(words, kind, cut.instant), whole
-
-
-def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | None:
-    """Return the doubt that needs no fit of parts: an open gap, or a pivot far from its place."""
-    if not alone:
-        at = float(data.times[int(np.argmax(np.diff(data.times)))])
-        return Adequacy(
-            "The record does not tell how many swings there were in its gap at "
-            f"{at:.4g} s: several lengths describe it equally well.",
-            "gap",
-            at,
-        )
-    return pivot_doubt(whole)
 
 
 def _of_whole(
