@@ -211,7 +211,7 @@ def fit_decay(
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
         "start": begin, "end": float(data.times[-1]), "ball": number, "mass": mass,
-        "radius": radius, "declared_length": declared, "gravity": gravity, "method": method,
+        "radius": radius, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
     for part in parts:
@@ -342,8 +342,7 @@ def _by_envelope(
         "swing_angle": ("swing", swings.angles),
         "swing_angle_fit": ("swing", solution.curve),
     }
-    attributes = {"envelope_autocorrelation": solution.correlation}
-    return _Part(estimates, curves, attributes, [_envelope_verdict({**equation, **estimates})])
+    return _Part(estimates, curves, {}, [_envelope_verdict({**equation, **estimates})])
 
 
 def _check_rest(piece: xr.Dataset, length: float) -> None:
