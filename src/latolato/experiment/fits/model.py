@@ -238,7 +238,9 @@ def described(
         name: sigma for name, sigma in moving.deviations.items() if fits_pivot and name not in names
     }
     varied += [known[name] for name in of_pivot]
-    shared = _nuisances(sight_guesses(table, data), is_mirrored(table, system, ball))
+    shared = {"angle_offset": Guess(0.0, prior=_TILT), **sight_guesses(table, data)}
+    if is_mirrored(table, system, ball):
+        shared = {name: shared[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in shared}
     shared |= {name: Guess(0.0) for name in names}
     shared |= {each.name: _guess(system, moving.drive, each) for each in varied}
     for name, deviation in (of_pivot | _deviations(prior, names)).items():
@@ -259,13 +261,6 @@ def described(
 def drive_to_keep(drive: Drive) -> Drive | None:
     """Return a drive if a fit keeps it: one of formulas, not the samples of a table."""
     return None if isinstance(drive, (MeasuredPivot, FixedPivot)) else drive
-
-
-def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
-    """Guesses of nuisance parameters: how the table sees angles, with fewer if `mirrored`."""
-    if mirrored:
-        return {name: sight[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in sight}
-    return {"angle_offset": Guess(0.0, prior=_TILT), **sight}
 
 
 def _known(system: System, drive: Drive) -> dict[str, Parameter]:

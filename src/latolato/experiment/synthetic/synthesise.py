@@ -187,9 +187,17 @@ class Film:
         return np.asarray(self.stamps / TICKS)
 
     def states(self, number: int) -> Floats:
-        """Return u, v of pivot and balls in a frame's exposure, (moment, line, point, 2)."""
-        time = self.begin + float(self.times[number])
-        return exposure_states(self.motion, self.camera, self.renderer.projection, time)
+        """Return undistorted u, v of pivot and balls in an exposure, (moment, line, point, 2)."""
+        motion, camera, projection = self.motion, self.camera, self.renderer.projection
+        rows = camera.rows if camera.row_time > 0.0 else 1
+        times = self.begin + float(self.times[number]) + camera.row_time * np.arange(rows)
+        half = 0.5 * camera.exposure / camera.fps
+        ends = _states(motion, projection, times + half * np.array([[-1.0], [0.0], [1.0]]))
+        # Twice the larger half, for the motion may turn round.
+        steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
+        count = 2 * min(steps, _MOST_MOMENTS) if steps > _LEAST_MOMENTS else _LEAST_MOMENTS
+        moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
+        return _states(motion, projection, times + moments[:, None])
 
     def frame(self, number: int) -> Any:
         """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
@@ -427,20 +435,6 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
     return replace(
         camera, pixels_per_metre=float(scale), pivot_u=float(pivot_u), pivot_v=float(pivot_v)
     )
-
-
-def exposure_states(motion: Motion, camera: Camera, projection: Projection, time: float) -> Floats:
-    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, point, 2)."""
-    rows = camera.rows if camera.row_time > 0.0 else 1
-    late = camera.row_time * np.arange(rows)
-    half = 0.5 * camera.exposure / camera.fps
-    ends = _states(motion, projection, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
-    # Twice the larger half, for the motion may turn round.
-    steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
-    least = _LEAST_MOMENTS
-    count = 2 * min(steps, _MOST_MOMENTS) if steps > least else least
-    moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
-    return _states(motion, projection, time + late + moments[:, None])
 
 
 def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
