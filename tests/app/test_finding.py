@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from latolato.app.experiment.finding import answer_of, finding_of
-from latolato.experiment.fits.apparatus import Apparatus
+from latolato.experiment.fits.registry import Apparatus
 from latolato.experiment.track_table import track_table
 from track_tables import decay_table
 

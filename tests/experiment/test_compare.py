@@ -11,7 +11,7 @@ from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.comparison.motion import phases
 from latolato.experiment.comparison.response import peak_of
-from latolato.experiment.fits.motion import motion_at
+from latolato.experiment.fits.windows import motion_at
 from latolato.experiment.track_table import write_table
 from latolato.experiment.trial_statistics import cohen_kappa
 from latolato.experiment.trial_table import trial_table, write_trials

@@ -334,7 +334,7 @@ def test_a_missing_lmfit_is_named_with_its_extra(monkeypatch):
 
 
 def test_the_envelope_is_exact_for_large_swings():
-    from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude
+    from latolato.experiment.fits.swings import amplitude_of, effective_amplitude
 
     sizes = np.array([1e-3, 0.5, 1.5, 2.8])
     assert amplitude_of(effective_amplitude(sizes)) == pytest.approx(sizes, rel=1e-4)

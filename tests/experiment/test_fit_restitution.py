@@ -1,10 +1,12 @@
 """Impacts in a track table give back the coefficient of restitution, or say why not."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.fits.restitution import _pooled
+from latolato.experiment.fits.restitution import _Impact, _pooled, _shift
 from track_tables import motion_table
 
 BALL = ll.Ball(length=0.245, mass=0.106, damping=0.005, radius=0.02)
@@ -61,6 +63,13 @@ def test_impacts_that_differ_widen_the_pooled_sigma_also_when_few_are_precise():
     assert pooled.sigma > 0.0009  # 0.00021 by the two precise ones alone
     assert "they differ by 0.00" in words
     assert "by 0," not in words
+
+
+def test_an_impact_that_another_drag_moves_is_still_the_same():
+    one = _Impact(time=1.0, before=-2.0, after=1.0, gap=0.16, gap_sigma=1e-3, sigma=0.02)
+    moved = dataclasses.replace(one, time=1.05, after=1.2)
+    assert _shift({0.98: one}, {0.98: moved, 3.0: one}) == pytest.approx(0.1)
+    assert _shift({0.98: one}, {3.0: one}) == 0.0
 
 
 def test_what_cannot_be_seen_is_refused():

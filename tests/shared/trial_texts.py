@@ -11,4 +11,4 @@ def parse_trials(text: str) -> xr.Dataset:
     """Read what `write_trials` writes; cells and names of columns may carry units."""
     parts, header = parse_columns(text)
     cells = {name_and_unit(heading): list(values) for heading, (values, _) in parts.items()}
-    return trials_of_cells(cells, header, None, lambda trial: f"trial {trial}")
+    return trials_of_cells(cells, header, lambda trial: f"trial {trial}")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import time
 from collections.abc import Mapping
 from pathlib import Path
@@ -116,6 +115,7 @@ def summarise(table: xr.Dataset) -> dict[str, Any]:
     """Return the summary of a video: its size in time and the clicks in it."""
     attrs = table.attrs
     balls = 2 if "angle_2" in table else 1
+    optics = Camera(**json.loads(attrs["camera"])).optics
     clicks = [[attrs[f"ball_{i}_pixel_{axis}"] for axis in "uv"] for i in range(1, balls + 1)]
     return {
         "frames": int(table.sizes["frame"]),
@@ -126,21 +126,8 @@ def summarise(table: xr.Dataset) -> dict[str, Any]:
         "length": attrs["length"],
         "radius": attrs["radius"],
         "metres_per_pixel": attrs["metres_per_pixel"],
-        **optics(attrs["camera"]),
+        **{name: value for name, value in vars(optics).items() if value},
     }
-
-
-def optics(camera: str) -> dict[str, float]:
-    """Return the optics of a camera (JSON) that are given to the tracker, in its words."""
-    described = json.loads(camera)
-    half_diagonal = 0.5 * math.hypot(described["width"], described["height"])
-    wider = half_diagonal / (described["focal_length"] or half_diagonal)
-    values = {
-        "row_time": described["row_time"],
-        "lens_k1": described["k1"] * wider**2,
-        "lens_k2": described["k2"] * wider**4,
-    }
-    return {name: value for name, value in values.items() if value}
 
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:

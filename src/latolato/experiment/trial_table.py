@@ -208,9 +208,7 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     return path
 
 
-def read_trials(
-    path: str | Path, *, gravity: float | None = None, decimal: str | None = None
-) -> xr.Dataset:
+def read_trials(path: str | Path, *, decimal: str | None = None) -> xr.Dataset:
     """Return the trial table in a file.
 
     Any table that `latolato.io.tables.source.read_source` reads, with columns named as in
@@ -221,8 +219,6 @@ def read_trials(
     ----------
     path : str or Path
         The file.
-    gravity : float, optional
-        Gravitational acceleration [m/s^2]; by default that of the file, or 9.8.
     decimal : {".", ","}, optional
         The decimal sign, where the file leaves it open.
 
@@ -271,7 +267,7 @@ def read_trials(
             except InputError as error:
                 raise InputError(f"trial {trial} in line {lines[trial - 1]}: {error}") from None
         trials = trials_of_cells(
-            cells, header, gravity, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
+            cells, header, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
         )
         if header.get("table") != _KIND:
             _ask_about_units(trials, cells, lines)
@@ -282,7 +278,6 @@ def read_trials(
 def trials_of_cells(
     cells: Mapping[tuple[str, str], list[str]],
     header: Mapping[str, Any],
-    gravity: float | None,
     place: Callable[[int], str],
 ) -> xr.Dataset:
     """Return the trial table in the cells below each name and unit.
@@ -301,10 +296,8 @@ def trials_of_cells(
             unit = COLUMN_UNITS[name]
             columns[name] = texts if unit is None else _numbers(name, texts, unit, place)
     attributes = {}
-    if gravity is None and "gravity" in header:
-        gravity = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
-    if gravity is not None:
-        attributes["gravity"] = gravity
+    if "gravity" in header:
+        attributes["gravity"] = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
     return trial_table(columns, attributes)
 
 

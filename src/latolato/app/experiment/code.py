@@ -9,7 +9,7 @@ from typing import Any
 
 from latolato.app.experiment.tables import Import
 from latolato.experiment.fits import fits
-from latolato.experiment.fits.apparatus import Apparatus
+from latolato.experiment.fits.registry import Apparatus
 
 
 def python_lines(

@@ -30,7 +30,7 @@ from latolato.scenario.units import to_si
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.experiment.fits.apparatus import Apparatus
+    from latolato.experiment.fits.registry import Apparatus
 
 # Names that the fields share with the options of a run.
 SHARED = ("length", "radius", "mass", "damping", "restitution", "gravity")
@@ -154,7 +154,7 @@ def described(value: Any) -> Description:
 
 def apparatus_of(description: Description, table: xr.Dataset) -> Apparatus:
     """The known parameters of the apparatus; a length that is not given is the table's."""
-    from latolato.experiment.fits.apparatus import Apparatus
+    from latolato.experiment.fits.registry import Apparatus
 
     own = {n: table.attrs[n] for n in ("length", "length_sigma") if n in table.attrs}
     given = {n: description[n] for n in (*SHARED, "length_sigma") if n in description}

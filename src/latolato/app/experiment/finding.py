@@ -18,7 +18,7 @@ from latolato.physics.pendulum import equivalent_pendulum
 if TYPE_CHECKING:
     import xarray as xr
 
-    from latolato.experiment.fits.apparatus import Apparatus
+    from latolato.experiment.fits.registry import Apparatus
 
 # The sentences; pages translate them by their names, as those of rules.
 FINDINGS = {

@@ -13,7 +13,7 @@ from latolato.app.experiment.description import Description, apparatus_of
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError, joined
 from latolato.experiment.fits import fits
-from latolato.experiment.fits.drive_across import vertical_part
+from latolato.experiment.fits.drive_motion import vertical_part
 from latolato.experiment.fits.result import Fit, quantity_of
 from latolato.experiment.rules import said
 from latolato.experiment.track_table import balls_of

@@ -108,7 +108,7 @@ def compare_map(
     taken = trials.isel(trial=np.flatnonzero(known))
     measured, computed = measured[known], predicted[known].astype(int)
     random = np.random.default_rng(seed)
-    again = _drawn_classes(taken, plan, widths, count, random) if count else None
+    again = _drawn_agreement(taken, plan, widths, count, random) if count else None
     variables: dict[str, Any] = {
         "x": variable("trial", places[1][known], across),
         "y": variable("trial", places[0][known], up),
@@ -128,7 +128,7 @@ def compare_map(
         variables["mean_energy"] = energy.variable
     outside = int((~known).sum())
     attributes = {
-        "comparison": "map", "verdict": _verdict(variables, outside), "trials_outside": outside,
+        "comparison": "map", "verdict": _verdict(variables, outside),
         "draws": count,
         "plan": grid.attrs["plan"],
         **{f"sigma_of_{name}": value for name, value in widths.items()},
@@ -143,33 +143,29 @@ def compare_map(
 
 
 def _agreement(
-    measured: Any, computed: Any, again: tuple[Any, Any] | None, random: np.random.Generator
+    measured: Any, computed: Any, again: Any, random: np.random.Generator
 ) -> dict[str, Any]:
     """Return how well two classifications of trials agree, and how surely.
 
-    `again` holds both in draws with other parameters, shape (draw, trial), None without any.
+    `again` holds whether they do in draws with other parameters, shape (draw, trial); None without
+    any.
     """
     agrees = measured == computed
     n, share = len(agrees), float(agrees.mean())
     low, high = (float(end) for end in wilson_interval(int(agrees.sum()), n)[1:])
-    by_parameters, drawn_variables = 0.0, {}
+    by_parameters, drawn_variables = 0.0, dict[str, Any]()
     if again is not None:
-        same = again[0] == again[1]
         # Counts first: equal shares differ by nothing, not by a rounding.
-        by_parameters = float(np.std(same.sum(axis=1)) / n)
+        by_parameters = float(np.std(again.sum(axis=1)) / n)
         # Many draws, each with trials taken with replacement.
-        repeats = max(len(same), 400)
-        row = np.arange(repeats)[:, None] % len(same)
-        pick = random.integers(n, size=(repeats, n))
-        shares, kappas = same[row, pick].mean(axis=1), cohen_kappa(*(a[row, pick] for a in again))
+        repeats = max(len(again), 400)
+        row = np.arange(repeats)[:, None] % len(again)
+        shares = again[row, random.integers(n, size=(repeats, n))].mean(axis=1)
         low = min(low, float(np.quantile(shares, 0.025)))
         high = max(high, float(np.quantile(shares, 0.975)))
-        drawn_variables = {
-            "chance_of_agreement": plain(
-                "trial", same.mean(axis=0), "share of draws in which trial and computation agree"
-            ),
-            "kappa_sigma": plain((), float(np.std(kappas)), "standard deviation of Cohen's kappa"),
-        }
+        drawn_variables["chance_of_agreement"] = plain(
+            "trial", again.mean(axis=0), "share of draws in which trial and computation agree"
+        )
     binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
     table = np.zeros((3, 3), dtype=np.int64)
     np.add.at(table, (measured, computed), 1)
@@ -195,16 +191,16 @@ def _class_numbers(trials: xr.Dataset) -> Any:
     return np.array([CLASSES.index(name) for name in trials["class"].values.tolist()])
 
 
-def _drawn_classes(
+def _drawn_agreement(
     trials: xr.Dataset,
     plan: Plan,
     widths: Mapping[str, float],
     count: int,
     random: np.random.Generator,
-) -> tuple[Any, Any]:
-    """Return measured and computed classes of trials and parameters within their uncertainty.
+) -> Any:
+    """Return whether classes of trials and computation agree, each within its uncertainty.
 
-    Both have the shape (draw, trial).
+    Of shape (draw, trial).
     """
     n = trials.sizes["trial"]
 
@@ -223,7 +219,8 @@ def _drawn_classes(
     computed = classes_in(run_at(plan, columns)).values.reshape(count, n)
     largest, settled = about("largest_angle"), about(LATE)
     has_angles = np.isfinite(largest) & np.isfinite(settled)
-    return np.where(has_angles, class_of(largest, settled), _class_numbers(trials)), computed
+    measured = np.where(has_angles, class_of(largest, settled), _class_numbers(trials))
+    return measured == computed
 
 
 def _axes_of(classes: xr.DataArray) -> tuple[str, str]:

@@ -28,7 +28,7 @@ from latolato.experiment.fits.least_squares import (
     whitened,
 )
 from latolato.experiment.fits.result import Adequacy
-from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.fits.samples import noise_of, turn_words
 from latolato.experiment.rules import said
 
 # By how much minus twice the log likelihood must fall for a change to count, for each of the
@@ -311,15 +311,15 @@ def first_cut(data: Data, whole: Solution, fit_part: FitPart, shortest: float) -
 
 def widened(whole: Solution, cut: Cut, names: Sequence[str]) -> Solution:
     """Return a solution whose deviations include by how much parameters differ in both parts."""
-    factors = np.ones(len(whole.names))
+    factors, intervals = np.ones(len(whole.names)), dict(whole.intervals)
     for i, name in enumerate(whole.names):
         if name in names:
             off = max(abs(p.values[name] - whole.values[name]) for p in (cut.before, cut.after))
-            factors[i] = max(1.0, off / max(whole.sigma(name), 1e-300))
-    intervals = {}
-    for name, (low, high) in whole.intervals.items():
-        factor, value = float(factors[whole.names.index(name)]), whole.values[name]
-        intervals[name] = (value - factor * (value - low), value + factor * (high - value))
+            own = whole.estimate(name, "")
+            factors[i] = max(1.0, off / max(own.sigma, 1e-300))
+            if name in intervals:
+                wider = own.widened(factors[i] * own.sigma)
+                intervals[name] = (wider.low, wider.high)
     return replace(
         whole, covariance=whole.covariance * np.outer(factors, factors), intervals=intervals
     )
@@ -339,26 +339,23 @@ def changes(
     """
     sides, covariances = [], []
     for solution in (cut.before, cut.after):
-        middle = portrait(solution, solution.values, cut.instant)
-        names = tuple(middle)
-        slopes = np.zeros((len(names), len(solution.names)))
-        for i, name in enumerate(solution.names):
-            step = max(0.1 * solution.sigma(name), 1e-9)
-            moved = {**solution.values, name: solution.values[name] + step}
-            there = portrait(solution, moved, cut.instant)
-            for j, what in enumerate(names):
-                slopes[j, i] = _less(there, middle, what) / step
-        sides.append(middle)
-        covariances.append(slopes @ solution.covariance @ slopes.T)
+
+        def away(p: Mapping[str, float], own: Solution = solution) -> Floats:
+            return _less(portrait(own, p, cut.instant), portrait(own, own.values, cut.instant))
+
+        sides.append(portrait(solution, solution.values, cut.instant))
+        covariances.append(solution.covariance_of(away))
     before, after = sides
-    differences = {name: _less(after, before, name) for name in after}
+    differences = dict(zip(before, _less(after, before).tolist(), strict=True))
     return before, after, differences, _MORE**2 * (covariances[0] + covariances[1])
 
 
-def _less(one: Mapping[str, float], other: Mapping[str, float], name: str) -> float:
-    """Return the difference of a number of two motions, of phases within half a turn."""
-    away = one[name] - other[name]
-    return math.remainder(away, math.tau) if name == "phase" else away
+def _less(one: Mapping[str, float], other: Mapping[str, float]) -> Floats:
+    """Return the differences of the numbers of two motions, of phases within half a turn."""
+    away = {name: one[name] - other[name] for name in other}
+    if "phase" in away:
+        away["phase"] = math.remainder(away["phase"], math.tau)
+    return np.array(list(away.values()))
 
 
 def misfit_of(kind: Kind, differences: Mapping[str, float], covariance: Floats) -> float:
@@ -389,7 +386,7 @@ def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
     at = float(data.times[np.flatnonzero(lost)[0]])
     off = float(np.median(np.abs(whole.residuals[lost])))
     numbers = {"share": 100.0 * share, "time": at}
-    for turn, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
-        if abs(off - turn) < 0.02 * turn:
-            return Adequacy(said("turned_samples", **numbers, turn=said(name)), "outliers", at)
+    turn = turn_words(off)
+    if turn:
+        return Adequacy(said("turned_samples", **numbers, turn=turn), "outliers", at)
     return Adequacy(said("far_samples", **numbers), "outliers", at)

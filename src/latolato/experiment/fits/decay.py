@@ -16,8 +16,6 @@ from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.adequacy import solutions_of
-from latolato.experiment.fits.apparatus import Apparatus
-from latolato.experiment.fits.envelope import amplitude_of, effective_amplitude, fit_envelope
 from latolato.experiment.fits.free_swing import COEFFICIENTS, fit_best, fit_equation, guess_of
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
@@ -25,7 +23,7 @@ from latolato.experiment.fits.least_squares import (
     Guess,
     Solution,
 )
-from latolato.experiment.fits.registry import FitKind, fits
+from latolato.experiment.fits.registry import Apparatus, FitKind, fits
 from latolato.experiment.fits.result import (
     TWO_SIDED,
     Adequacy,
@@ -50,8 +48,11 @@ from latolato.experiment.fits.swing_doubt import doubt_of
 from latolato.experiment.fits.swings import (
     SPARSE,
     Swings,
+    amplitude_of,
     are_turning_points,
     crossings,
+    effective_amplitude,
+    fit_envelope,
     free_start,
     period_factor,
     samples_per_swing,
@@ -192,7 +193,7 @@ def fit_decay(
     seen = _seen(data)
     if declared is None:
         _check_rest(piece, gravity / seen.first["natural_frequency"] ** 2)
-    body = _Body(declared, mass, radius, gravity)
+    body = Apparatus(length=declared, mass=mass, radius=radius, gravity=gravity)
     aside = sight_guesses(table, data)
     parts = []
     if method != "envelope" and seen.has_motion:
@@ -211,7 +212,7 @@ def fit_decay(
     curves = {name: curve for part in parts for name, curve in part.curves.items()}
     about: dict[str, Any] = {
         "start": begin, "end": float(data.times[-1]), "ball": number, "mass": mass,
-        "radius": radius, "declared_length": declared, "gravity": gravity, "method": method,
+        "radius": radius, "gravity": gravity, "method": method,
         "samples": len(data), "source": table.attrs.get("source"),
     }  # fmt: skip
     for part in parts:
@@ -225,9 +226,14 @@ def fit_decay(
         words.append(said("repeated_samples", count=repeats))
     adequacy = parts[0].adequacy
     return make_fit(
-        "decay", estimates, joined(words), curves, about, system=body.system(estimates),
+        "decay",
+        estimates,
+        joined(words),
+        curves,
+        about,
+        system=_system(body, estimates),
         adequacy=adequacy,
-    )  # fmt: skip
+    )
 
 
 def _swinging(fit: Fit, apparatus: Apparatus, table: xr.Dataset) -> Pendulum:
@@ -268,7 +274,7 @@ def _by_equation(
     data: Data,
     first: Mapping[str, float],
     aside: Mapping[str, Guess],
-    body: _Body,
+    body: Apparatus,
     law: str,
     *,
     compare: bool,
@@ -280,8 +286,8 @@ def _by_equation(
         law = min(laws, key=lambda name: laws[name].bayes, default="linear")
     chosen, solution, alone = _converged(data, first, laws, law, aside, profile=profile)
     adequacy, solution = doubt_of(data, solution, LAWS[chosen], aside, alone=alone)
-    estimates = body.estimates(solution, LAWS[chosen])
-    sentences = body.verdict(estimates, solution, chosen)
+    estimates = _estimates(body, solution, LAWS[chosen])
+    sentences = _equation_verdict(body, estimates, solution, chosen)
     if compare:
         sentences += _law_verdict(laws, chosen)
     if chosen != law:
@@ -307,7 +313,7 @@ def _by_envelope(
     swings: Swings,
     first: Mapping[str, float],
     aside: Mapping[str, Guess],
-    body: _Body,
+    body: Apparatus,
     equation: Mapping[str, Estimate] | None,
     *,
     profile: bool,
@@ -329,14 +335,13 @@ def _by_envelope(
         lost = isinstance(error, ConvergenceError)
         return _Part({}, {}, {}, [said("envelope_lost") if lost else few])
     equation = equation or {}
-    estimates = body.envelope(solution, equation.get("length"), first)
+    estimates = _envelope_estimates(body, solution, equation.get("length"), first)
     curves: dict[str, tuple[str, Any]] = {
         "swing_time": ("swing", swings.times),
         "swing_angle": ("swing", swings.angles),
         "swing_angle_fit": ("swing", solution.curve),
     }
-    attributes = {"envelope_autocorrelation": solution.correlation}
-    return _Part(estimates, curves, attributes, [_envelope_verdict({**equation, **estimates})])
+    return _Part(estimates, curves, {}, [_envelope_verdict({**equation, **estimates})])
 
 
 def _check_rest(piece: xr.Dataset, length: float) -> None:
@@ -523,120 +528,111 @@ def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float
     return {**first, **shares}
 
 
-@dataclass(frozen=True)
-class _Body:
-    """What is known of the ball beforehand."""
+def _system(body: Apparatus, estimates: Mapping[str, Estimate]) -> Pendulum | None:
+    """Return the pendulum that swings, None if its mass or its drag is unknown."""
+    drags: dict[str, Any] = {
+        name: estimates[name].value for name in COEFFICIENTS.values() if name in estimates
+    }
+    # A swing that grows is driven by something that no pendulum has.
+    if body.mass is None or not drags or min(drags.values()) < 0.0:
+        return None
+    length = estimates["length"].value
+    return Pendulum(length=length, mass=body.mass, gravity=body.gravity, **drags)
 
-    length: float | None
-    mass: float | None
-    radius: float | None
-    gravity: float
 
-    def system(self, estimates: Mapping[str, Estimate]) -> Pendulum | None:
-        """Return the pendulum that swings, None if its mass or its drag is unknown."""
-        drags: dict[str, Any] = {
-            name: estimates[name].value for name in COEFFICIENTS.values() if name in estimates
-        }
-        # A swing that grows is driven by something that no pendulum has.
-        if self.mass is None or not drags or min(drags.values()) < 0.0:
-            return None
-        length = estimates["length"].value
-        return Pendulum(length=length, mass=self.mass, gravity=self.gravity, **drags)
+def _estimates(body: Apparatus, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
+    """Return the estimates under their public names."""
+    rate = solution.estimate("natural_frequency", "rad/s")
+    length = rate.power(body.gravity, -2, "m")
+    estimates: dict[str, Estimate] = {}
+    lever = body.length or length.value
+    for term in terms:
+        raw = solution.estimate(term, "1/s")
+        unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
+        if body.mass is not None:
+            estimates[COEFFICIENTS[term]] = raw.scaled(body.mass * lever, unit)
+        if term == "linear":
+            estimates["decay_rate"] = raw.scaled(0.5, "1/s")
+    period = rate.power(math.tau, -1, "s")
+    estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
+    if body.radius is not None:
+        estimates["centre_length"] = _centre(body.radius, length)
+    for name, unit in (
+        ("angle_offset", "rad"),
+        ("initial_angle", "rad"),
+        ("initial_angular_velocity", "rad/s"),
+    ):
+        estimates[name] = solution.estimate(name, unit)
+    for name in (ASIDE, ABOVE):
+        if name in solution.values:
+            estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
+    return estimates
 
-    def estimates(self, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
-        """Return the estimates under their public names."""
-        rate = solution.estimate("natural_frequency", "rad/s")
-        length = rate.power(self.gravity, -2, "m")
-        estimates: dict[str, Estimate] = {}
-        lever = self.length or length.value
-        for term in terms:
-            raw = solution.estimate(term, "1/s")
-            unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
-            if self.mass is not None:
-                estimates[COEFFICIENTS[term]] = raw.scaled(self.mass * lever, unit)
-            if term == "linear":
-                estimates["decay_rate"] = raw.scaled(0.5, "1/s")
-        period = rate.power(math.tau, -1, "s")
-        estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
-        if self.radius is not None:
-            estimates["centre_length"] = self._centre(length)
-        for name, unit in (
-            ("angle_offset", "rad"),
-            ("initial_angle", "rad"),
-            ("initial_angular_velocity", "rad/s"),
-        ):
-            estimates[name] = solution.estimate(name, unit)
-        for name in (ASIDE, ABOVE):
-            if name in solution.values:
-                estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
-        return estimates
 
-    def envelope(
-        self, solution: Solution, length: Estimate | None, first: Mapping[str, float]
-    ) -> dict[str, Estimate]:
-        """Return the estimates of the envelope."""
-        estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
-        if self.mass is not None:
-            dynamic = length.value if length else self.gravity / first["natural_frequency"] ** 2
-            factor = 2.0 * self.mass * (self.length or dynamic)
-            rate = estimates["decay_rate_envelope"]
-            estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
-        return estimates
+def _envelope_estimates(
+    body: Apparatus, solution: Solution, length: Estimate | None, first: Mapping[str, float]
+) -> dict[str, Estimate]:
+    """Return the estimates of the envelope."""
+    estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
+    if body.mass is not None:
+        dynamic = length.value if length else body.gravity / first["natural_frequency"] ** 2
+        factor = 2.0 * body.mass * (body.length or dynamic)
+        rate = estimates["decay_rate_envelope"]
+        estimates["damping_envelope"] = rate.scaled(factor, "kg*m/s")
+    return estimates
 
-    def drag_words(self, estimates: Mapping[str, Estimate], law: str) -> list[Sentence]:
-        """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
-        rate = estimates.get("decay_rate")
-        if law != "linear" or rate is None:
-            return [named(n, estimates[n]) for n in COEFFICIENTS.values() if n in estimates]
-        if rate.value < -_SURE * rate.sigma:
-            return [said("growing_swing", rate=str(rate.scaled(-1.0, "1/s")))]
-        if rate.value < _SURE * rate.sigma:
-            limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
-            if "damping" not in estimates:
-                return [said("no_drag", rate=limit)]
-            ratio = estimates["damping"].sigma / rate.sigma
-            return [said("no_damping", rate=limit, damping=limit * ratio)]
-        parts = [said("decay_rate_is", rate=str(rate))]
-        if "damping" in estimates:
-            parts.insert(0, joined([f"C = {estimates['damping']}"]))
-        return parts
 
-    def _centre(self, length: Estimate) -> Estimate:
-        """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
-        assert self.radius is not None
-        bulk = 1.6 * self.radius**2
-        if length.value**2 <= bulk:
-            raise broken(
-                "large_radius", {"length": length.value}, parameter="radius", value=self.radius
-            )
-        centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
-        return length.scaled(centre / length.value, "m")
+def _drag_words(estimates: Mapping[str, Estimate], law: str) -> list[Sentence]:
+    """Return the drag in plain words: its numbers, a limit where none is seen, or a growth."""
+    rate = estimates.get("decay_rate")
+    if law != "linear" or rate is None:
+        return [named(n, estimates[n]) for n in COEFFICIENTS.values() if n in estimates]
+    if rate.value < -_SURE * rate.sigma:
+        return [said("growing_swing", rate=str(rate.scaled(-1.0, "1/s")))]
+    if rate.value < _SURE * rate.sigma:
+        limit = max(rate.value, 0.0) + TWO_SIDED * rate.sigma
+        if "damping" not in estimates:
+            return [said("no_drag", rate=limit)]
+        ratio = estimates["damping"].sigma / rate.sigma
+        return [said("no_damping", rate=limit, damping=limit * ratio)]
+    parts = [said("decay_rate_is", rate=str(rate))]
+    if "damping" in estimates:
+        parts.insert(0, joined([f"C = {estimates['damping']}"]))
+    return parts
 
-    def verdict(
-        self, estimates: Mapping[str, Estimate], solution: Solution, law: str
-    ) -> list[Sentence]:
-        """Return the result of the equation in plain words."""
-        length = estimates["length"]
-        numbers = [
-            said("small_period", period=str(estimates["period"])),
-            *self.drag_words(estimates, law),
-            said("dynamic_length", length=str(length), gravity=self.gravity),
-        ]
-        words = [said("equation_gives", law=law, numbers=joined(numbers, ", "))]
-        if self.length is not None:
-            away = length.value / self.length - 1.0
-            limit = max(3.0 * length.sigma / self.length, 0.003)
-            if abs(away) > limit:
-                share = said(
-                    "percent_less" if away > 0 else "percent_more", percent=abs(100.0 * away)
-                )
-                if not -0.5 < away < 1.0:
-                    share = said("times_what", ratio=1.0 / (1.0 + away))
-                words.append(said("declared_length", length=self.length, share=share))
-        words += size_questions(estimates, "length")
-        if (~solution.kept).any():
-            words.append(said("outliers", count=int((~solution.kept).sum())))
-        return words
+
+def _centre(radius: float, length: Estimate) -> Estimate:
+    """Distance c to a solid ball's centre [m]; ``c + 2/5 r^2/c`` is the equivalent length."""
+    bulk = 1.6 * radius**2
+    if length.value**2 <= bulk:
+        raise broken("large_radius", {"length": length.value}, parameter="radius", value=radius)
+    centre = 0.5 * (length.value + math.sqrt(length.value**2 - bulk))
+    return length.scaled(centre / length.value, "m")
+
+
+def _equation_verdict(
+    body: Apparatus, estimates: Mapping[str, Estimate], solution: Solution, law: str
+) -> list[Sentence]:
+    """Return the result of the equation in plain words."""
+    length = estimates["length"]
+    numbers = [
+        said("small_period", period=str(estimates["period"])),
+        *_drag_words(estimates, law),
+        said("dynamic_length", length=str(length), gravity=body.gravity),
+    ]
+    words = [said("equation_gives", law=law, numbers=joined(numbers, ", "))]
+    if body.length is not None:
+        away = length.value / body.length - 1.0
+        limit = max(3.0 * length.sigma / body.length, 0.003)
+        if abs(away) > limit:
+            share = said("percent_less" if away > 0 else "percent_more", percent=abs(100.0 * away))
+            if not -0.5 < away < 1.0:
+                share = said("times_what", ratio=1.0 / (1.0 + away))
+            words.append(said("declared_length", length=body.length, share=share))
+    words += size_questions(estimates, "length")
+    if (~solution.kept).any():
+        words.append(said("outliers", count=int((~solution.kept).sum())))
+    return words
 
 
 def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> list[Sentence]:

@@ -24,8 +24,7 @@ from latolato.experiment.fits.adequacy import (
     place_of_change,
     solutions_of,
 )
-from latolato.experiment.fits.drive_across import across_of, with_across
-from latolato.experiment.fits.drive_shape import Shape, guesses_of_passages
+from latolato.experiment.fits.drive_motion import Shape, across_of, guesses_of_passages, with_across
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,

@@ -52,25 +52,22 @@ class Flights:
         Angle and angular velocity [rad, rad/s].
     covariances : ndarray, shape (ball, 2, 2)
         Of the states.
-    curvature, slope : ndarray, shape (2, 2) and (2,)
-        Of the sum of squares once the states have adapted, in what all flights share: the drag
+    errors : list of ndarray, shape (sample,)
+        Of the samples of each ball, over their sigmas.
+    slopes : ndarray, shape (error, 2)
+        Derivatives of the errors once the states have adapted, by what all flights share: the drag
         and a factor of (g + y0'')/l.
-    spread : float
-        Largest reduced sum of squares of a ball.
-    products, squares : float
-        Sums over neighbouring errors, and over errors themselves.
-    count : int
-        Number of samples of a ball.
     """
 
     states: Floats
     covariances: Floats
-    curvature: Floats
-    slope: Floats
-    spread: float
-    products: float
-    squares: float
-    count: int
+    errors: list[Floats]
+    slopes: Floats
+
+    @property
+    def spread(self) -> float:
+        """Largest reduced sum of squares of a ball."""
+        return max(_spread(errors) for errors in self.errors)
 
     @property
     def separation(self) -> Floats:
@@ -104,27 +101,22 @@ def fit_flights(
     own = chosen[np.argsort(np.abs(time[chosen] - instant))]
     grid = time[own]
     pulls = _grid_pulls(instant, grid, pull)
-    states, covariances, spreads = [], [], []
-    curvature, slope = np.zeros((2, 2)), np.zeros(2)
-    products = squares = 0.0
+    states, covariances, rests, left = [], [], [], []
     for angle, sigma in zip(angles, sigmas, strict=True):
         state, slopes, errors = _fit(instant, grid, angle[own], sigma[own], pulls, drag)
         inverse = np.linalg.inv(slopes[:, :2].T @ slopes[:, :2])
-        spread = float(errors @ errors) / max(len(grid) - 2, 1)
-        spreads.append(spread)
-        products += float(errors[1:] @ errors[:-1])
-        squares += float(errors @ errors) * (len(grid) - 1) / len(grid)
-        rest = slopes[:, 2:] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2:]))
-        curvature += rest.T @ rest
-        slope += rest.T @ errors
+        rests.append(slopes[:, 2:] - slopes[:, :2] @ (inverse @ (slopes[:, :2].T @ slopes[:, 2:])))
+        left.append(errors)
         states.append(state)
         # A few samples tell little of their own scatter.
         floor = 0.5 if len(grid) < 10 else 0.0
-        covariances.append(inverse * widen * max(spread, floor))
-    return Flights(
-        np.array(states), np.array(covariances), curvature, slope,
-        max(spreads), products, squares, len(chosen),
-    )  # fmt: skip
+        covariances.append(inverse * widen * max(_spread(errors), floor))
+    return Flights(np.array(states), np.array(covariances), left, np.vstack(rests))
+
+
+def _spread(errors: Floats) -> float:
+    """Return the reduced sum of squares about a flight."""
+    return float(errors @ errors) / max(len(errors) - 2, 1)
 
 
 def _fit(
@@ -193,12 +185,13 @@ def good_flights(flights: Sequence[Flights | None]) -> list[Flights]:
 
 def widening_of(flights: Sequence[Flights]) -> float:
     """Return by how much correlated errors of neighbours widen variances of smooth curves."""
-    squares = sum(flight.squares for flight in flights)
-    if squares <= 0.0:
+    errors = [each for flight in flights for each in flight.errors]
+    squares = np.array([float(e @ e) * (len(e) - 1) / len(e) for e in errors])
+    if not squares.any():
         return 1.0
-    seen = sum(flight.products for flight in flights) / squares
+    seen = sum(float(e[1:] @ e[:-1]) for e in errors) / float(squares.sum())
     # A line fitted to n samples takes (2 + 4 rho)/n off the correlation (Kendall 1954).
-    count = max(sum(flight.count * flight.squares for flight in flights) / squares, 8.0)
+    count = max(float(np.average([len(e) for e in errors], weights=squares)), 8.0)
     correlation = min(max((seen + 2.0 / count) / (1.0 - 4.0 / count), 0.0), 0.95)
     return (1.0 + correlation) / (1.0 - correlation)
 
@@ -209,10 +202,11 @@ def shared_changes(flights: Sequence[Flights], count: int) -> tuple[Floats, Floa
     The first is the drag [1/s], the second, with a `count` of 2, the factor of (g + y0'')/l. This
     is 1 if length, clock and the scale of the angles are right. Without flights nothing changes.
     """
-    curvature = sum((flight.curvature for flight in flights), np.zeros((2, 2)))[:count, :count]
-    slope = sum((flight.slope for flight in flights), np.zeros(2))[:count]
+    slopes = np.vstack([np.empty((0, 2)), *(flight.slopes for flight in flights)])[:, :count]
+    curvature = slopes.T @ slopes
     if not np.linalg.det(curvature) > 0.0:
         return np.zeros(count), np.zeros(count)
     inverse = np.linalg.inv(curvature)
     spread = float(np.median([flight.spread for flight in flights]))
-    return inverse @ slope, np.sqrt(spread * widening_of(flights) * np.diag(inverse))
+    errors = np.concatenate([each for flight in flights for each in flight.errors])
+    return inverse @ (slopes.T @ errors), np.sqrt(spread * widening_of(flights) * np.diag(inverse))

@@ -14,17 +14,15 @@ from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, quantity_field
 from latolato.experiment.fits.adequacy import cost, solutions_of
 from latolato.experiment.fits.least_squares import (
-    ConvergenceError,
     Data,
     Guess,
     Solution,
     solve,
 )
-from latolato.experiment.fits.motion import motion_at, step_of
 from latolato.experiment.fits.samples import noise_of, steps_over_gap
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
-from latolato.experiment.fits.windows import START, WindowedModel
+from latolato.experiment.fits.windows import START, WindowedModel, motion_at, step_of
 from latolato.numerics.integrate import Start
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import Ball, Pendulum
@@ -288,13 +286,6 @@ def part_fitter(whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess
         }
         if about is not None:
             return fit_equation(part, near, terms, aside, limit=_SOON)
-        tries = solutions_of(lambda p: fit_equation(part, p, terms, aside, limit=_TRIES), [near])
-        if not tries or _is_poor(tries[0], part):
-            grown = _grown(part, near, terms, aside)
-            if grown is not None:
-                tries.append(grown)
-        if not tries:
-            raise ConvergenceError("no fit of this part converges")
-        return min(tries, key=cost)
+        return fit_best(part, near, terms, aside)[0]
 
     return fit_part

@@ -164,6 +164,17 @@ class Solution:
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
 
+    def covariance_of(self, numbers: Callable[[Mapping[str, float]], Floats]) -> Floats:
+        """Return the covariance of numbers that follow from the parameters, to first order."""
+        columns, middle = [], numbers(self.values)
+        for name in self.names:
+            step = max(0.1 * self.sigma(name), 1e-9)
+            moved = numbers({**self.values, name: self.values[name] + step})
+            columns.append((moved - middle) / step)
+        slopes = np.column_stack(columns)
+        result: Floats = slopes @ self.covariance @ slopes.T
+        return result
+
     @property
     def prior_misfit(self) -> float:
         """Sum of the squares of how far parameters are from their priors, in deviations."""

@@ -122,7 +122,11 @@ def fit_model(
     if profile:
         solution = solve(model, solution.guesses, data, jacobian=model.jacobian, profiles=names)
     widening, bent, unknown = _by_pivots(found)
-    estimates = {name: _estimate(solution, name, widening[name]) for name in names}
+    estimates = {
+        name: own.widened(math.hypot(own.sigma, widening[name]))
+        for name in names
+        for own in [solution.estimate(name, quantity_of(name).unit)]
+    }
     best, best_drive = found.laws(solution.values)
     verdict = _verdict(estimates, solution, model, found.lost, unknown)
     return make_fit(
@@ -235,7 +239,9 @@ def described(
         name: sigma for name, sigma in moving.deviations.items() if fits_pivot and name not in names
     }
     varied += [known[name] for name in of_pivot]
-    shared = _nuisances(sight_guesses(table, data), is_mirrored(table, system, ball))
+    shared = {"angle_offset": Guess(0.0, prior=_TILT), **sight_guesses(table, data)}
+    if is_mirrored(table, system, ball):
+        shared = {name: shared[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in shared}
     shared |= {name: Guess(0.0) for name in names}
     shared |= {each.name: _guess(system, moving.drive, each) for each in varied}
     for name, deviation in (of_pivot | _deviations(prior, names)).items():
@@ -256,13 +262,6 @@ def described(
 def drive_to_keep(drive: Drive) -> Drive | None:
     """Return a drive if a fit keeps it: one of formulas, not the samples of a table."""
     return None if isinstance(drive, (MeasuredPivot, FixedPivot)) else drive
-
-
-def _nuisances(sight: Mapping[str, Guess], mirrored: bool) -> dict[str, Guess]:
-    """Guesses of nuisance parameters: how the table sees angles, with fewer if `mirrored`."""
-    if mirrored:
-        return {name: sight[name] for name in (ABOVE, SMEAR_ABOVE, BENT) if name in sight}
-    return {"angle_offset": Guess(0.0, prior=_TILT), **sight}
 
 
 def _known(system: System, drive: Drive) -> dict[str, Parameter]:
@@ -408,16 +407,6 @@ def _by_pivots(found: Described) -> tuple[dict[str, float], list[Floats], int]:
             squares[name] += weight * (trial.values[name] - solution.values[name]) ** 2
         bent.append(trial.curve - solution.curve)
     return {name: math.sqrt(square) for name, square in squares.items()}, bent, lost
-
-
-def _estimate(solution: Solution, name: str, further: float) -> Estimate:
-    """Return an estimate with a further independent deviation."""
-    value, own = solution.values[name], solution.sigma(name)
-    sigma = math.hypot(own, further)
-    low, high = solution.intervals.get(name, (math.nan, math.nan))
-    wider = sigma / own if own > 0.0 else 1.0
-    ends = value - wider * (value - low), value + wider * (high - value)
-    return Estimate(value, sigma, quantity_of(name).unit, *ends)
 
 
 def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:

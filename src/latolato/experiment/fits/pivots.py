@@ -11,7 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError
 from latolato.experiment.fits.drive import fit_drive
-from latolato.experiment.fits.drive_across import vertical_part
+from latolato.experiment.fits.drive_motion import vertical_part
 from latolato.experiment.fits.least_squares import Data
 from latolato.experiment.fits.samples import angles_of, is_driven, noise_of, of_own_pivot
 from latolato.experiment.fits.sight import stroke_error

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError, joined
+from latolato.core.errors import joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.flights import (
@@ -48,8 +48,6 @@ _OFF = 0.15
 _HALF = 5
 # Flights that swing faster or slower by this share than the length says are doubted.
 _WRONG_PULL = 0.01
-# Impacts of two evaluations this close are the same [s].
-_SAME = 0.01
 
 
 def fit_restitution(
@@ -59,7 +57,6 @@ def fit_restitution(
     radius: float | None = None,
     gravity: float = GRAVITY,
     drive: Drive | None = None,
-    ball: int = 1,
     start: Annotated[float | None, "s"] = None,
     end: Annotated[float | None, "s"] = None,
 ) -> Fit:
@@ -80,8 +77,6 @@ def fit_restitution(
         Gravitational acceleration [m/s^2].
     drive : Drive, optional
         How the pivot moves; by default as measured.
-    ball : int
-        Which ball meets a wall, in a table with one ball.
     start : float, optional
         First instant used [s].
     end : float, optional
@@ -118,7 +113,7 @@ def fit_restitution(
     radius = table.attrs.get("radius") if radius is None else radius
     radius = None if radius is None else checked_number("radius", radius, NON_NEGATIVE, "m")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
-    record = _record(table, ball, start, end)
+    record = _record(table, start, end)
     two = len(record.angles) == 2
     first, last = float(record.time[0]), float(record.time[-1])
     moving = pivot_for(drive, table, length, first, last)
@@ -126,11 +121,12 @@ def fit_restitution(
     drag = _shared_drag(record, pull)
     contact = 2.0 * math.asin(min(radius / length, 1.0)) if radius and two else None
 
-    def seen(pull: Pull, drag: _Drag) -> list[_Impact]:
-        candidates = [_impact(record, turn, pull, drag) for turn in record.turns]
-        return _at_contact([impact for impact in candidates if impact is not None], contact)
+    def seen(pull: Pull, drag: _Drag) -> dict[float, _Impact]:
+        candidates = ((turn.instant, _impact(record, turn, pull, drag)) for turn in record.turns)
+        return {t: each for t, each in candidates if each and _is_at_contact(each, contact)}
 
-    impacts = seen(pull, drag)
+    found = seen(pull, drag)
+    impacts = list(found.values())
     unseen = len(record.turns) - len(impacts)
     if not impacts:
         raise broken("no_impact", {"count": unseen})
@@ -140,11 +136,11 @@ def fit_restitution(
     pooled, scatter, speed = _pooled(each, deviations, speeds)
     # What all impacts share: the drag, and the pivot's motion.
     dragged = seen(pull, replace(drag, rate=drag.rate + drag.sigma))
-    shared = _shift(impacts, dragged) ** 2
-    deviations = np.hypot(deviations, [_shift([impact], dragged) for impact in impacts])
+    shared = _shift(found, dragged) ** 2
+    deviations = np.hypot(deviations, [_shift({t: each}, dragged) for t, each in found.items()])
     for other, weight in moving.others:
         moved = pull_of(other, moving.origin, gravity, length)
-        shared += weight * _shift(impacts, seen(moved, drag)) ** 2
+        shared += weight * _shift(found, seen(moved, drag)) ** 2
     pooled = Estimate(pooled.value, math.sqrt(pooled.sigma**2 + shared), "1")
     curves = {
         "contact_time": ("impact", np.array([i.time for i in impacts])),
@@ -239,18 +235,16 @@ class _Impact:
         return -self.after / self.before
 
 
-def _record(table: xr.Dataset, ball: int, start: float | None, end: float | None) -> _Record:
+def _record(table: xr.Dataset, start: float | None, end: float | None) -> _Record:
     """Return the samples of a table and the turns of the gap.
 
     Raises
     ------
     InputError
-        For another ball than the first, too few samples, and without a turn.
+        For too few samples, and without a turn.
     """
     chosen = within(table["time"].values, start, end)
     two = balls_of(table) == 2
-    if not two and ball != 1:
-        raise InputError("must be 1 in this table", parameter="ball", value=ball)
     angles, sigmas = [], []
     for each in (1, 2) if two else (1,):
         angle = table[f"angle_{each}"].values[chosen].copy()
@@ -313,15 +307,13 @@ def _sides(
     return np.flatnonzero(left), np.flatnonzero(right)
 
 
-def _shift(impacts: Sequence[_Impact], others: Sequence[_Impact]) -> float:
-    """Return by how much the mean of the same impacts differs."""
-    total = change = 0.0
-    for one in impacts:
-        same = [other for other in others if abs(other.time - one.time) < _SAME]
-        if same:
-            total += one.sigma**-2
-            change += (same[0].restitution - one.restitution) * one.sigma**-2
-    return change / total if total > 0.0 else 0.0
+def _shift(impacts: Mapping[float, _Impact], others: Mapping[float, _Impact]) -> float:
+    """Return by how much the mean of the same impacts differs; both are by their turns."""
+    same = impacts.keys() & others.keys()
+    if not same:
+        return 0.0
+    changes = [others[turn].restitution - impacts[turn].restitution for turn in same]
+    return float(np.average(changes, weights=[impacts[turn].sigma ** -2 for turn in same]))
 
 
 def _impact(record: _Record, turn: _Turn, pull: Pull, drag: _Drag) -> _Impact | None:
@@ -363,17 +355,13 @@ def _meets(before: Flights, after: Flights) -> bool:
     return bool(np.all(away <= _SURE * sigmas))
 
 
-def _at_contact(impacts: list[_Impact], contact: float | None) -> list[_Impact]:
-    """Return the impacts that happen where balls of this radius touch, bottom or top."""
+def _is_at_contact(impact: _Impact, contact: float | None) -> bool:
+    """Return whether an impact happens where balls of this radius touch, bottom or top."""
     if contact is None:
-        return impacts
-    kept = []
-    for impact in impacts:
-        gap = abs(impact.gap) % math.tau
-        away = min(abs(gap - contact), abs(math.tau - gap - contact))
-        if away < _OFF * contact + 5.0 * impact.gap_sigma:
-            kept.append(impact)
-    return kept
+        return True
+    gap = abs(impact.gap) % math.tau
+    away = min(abs(gap - contact), abs(math.tau - gap - contact))
+    return away < _OFF * contact + 5.0 * impact.gap_sigma
 
 
 def _pull_doubt(pull: tuple[float, float], length: float) -> Adequacy:

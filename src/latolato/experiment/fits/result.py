@@ -67,6 +67,12 @@ class Estimate:
         """Return the estimate of this quantity plus a known number."""
         return Estimate(self.value + by, self.sigma, self.unit, self.low + by, self.high + by)
 
+    def widened(self, sigma: float) -> Estimate:
+        """Return the estimate with another deviation, and its interval wider by the same factor."""
+        wider = sigma / self.sigma if self.sigma > 0.0 else 1.0
+        low, high = (self.value + wider * (end - self.value) for end in (self.low, self.high))
+        return replace(self, sigma=sigma, low=low, high=high)
+
     def power(self, factor: float, exponent: int, unit: str) -> Estimate:
         """Return the estimate of a known factor times a power of this quantity, which is not 0."""
         value = factor * self.value**exponent
@@ -301,8 +307,11 @@ def make_fit(
             variables[f"{name}_{part}"] = ((), getattr(estimate, part), meaning)
     for name, (dimension, values) in curves.items():
         variables[name] = (dimension, values, QUANTITIES[name].attributes)
-    kept = {key: value for key, value in attributes.items() if value is not None}
-    kept = {key: int(v) if isinstance(v, bool) else v for key, v in kept.items()}
+    kept = {
+        key: int(value) if isinstance(value, bool) else value
+        for key, value in {**attributes, **adequacy.attributes}.items()
+        if value is not None
+    }
     if drive is not None:
         from latolato.physics.drives import drives
 
@@ -311,9 +320,6 @@ def make_fit(
         from latolato.physics.pendulum import systems
 
         kept["system_description"] = json.dumps(systems.described(system))
-    for key, value in adequacy.attributes.items():
-        if value is not None:
-            kept[key] = int(value) if isinstance(value, bool) else value
     if not adequacy.describes:
         withheld = said("withheld_whole" if adequacy.is_in_record else "withheld")
         verdict = joined([adequacy.doubt, withheld])

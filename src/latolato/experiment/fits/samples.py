@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.fits.least_squares import Data, Floats, one_series
@@ -195,9 +195,17 @@ def check_turns(data: Data) -> None:
     if jump is None:
         return
     instant, size, usual = jump
+    turn = turn_words(size, min((3.0 * usual + 0.02) / math.tau, 0.08))
+    if turn and usual < 0.2 * abs(size):
+        raise broken("turned_angle", {"turn": turn, "time": instant})
+
+
+def turn_words(size: float, near: float = 0.02) -> Sentence | None:
+    """Return which turn an angle is within a share `near` of, in words; None if of none."""
     for turn, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
-        if abs(abs(size) - turn) < min(3.0 * usual + 0.02, 0.5) and usual < 0.2 * turn:
-            raise broken("turned_angle", {"turn": said(name), "time": instant})
+        if abs(abs(size) - turn) < near * turn:
+            return said(name)
+    return None
 
 
 def largest_jump(data: Data) -> tuple[float, float, float] | None:

@@ -31,7 +31,7 @@ from latolato.experiment.fits.free_swing import (
 )
 from latolato.experiment.fits.least_squares import ConvergenceError, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
-from latolato.experiment.fits.samples import noise_of
+from latolato.experiment.fits.samples import noise_of, turn_words
 from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
 from latolato.experiment.rules import said
@@ -45,8 +45,6 @@ _ENOUGH, _TRIES, _MOST = 600, 40, 0.5
 _UNSURE = 0.1
 # Periods that a cut may have taken out of a clock.
 _MOST_PERIODS = 1000
-# An offset within this of a turn is one, and a factor within this of that of degrees.
-_NEAR = 0.02
 # Breaks that nothing which lasts can look like.
 _SUDDEN = ("phase jump", "two films", "shifted angle", "another rest")
 # Factors to other units, and what is wrong if angles times that are those of a pendulum.
@@ -92,9 +90,16 @@ def doubt_of(
     alone : bool
         Whether no other solution describes the samples nearly as well.
     """
-    adequacy = _before_any_cut(data, whole, alone=alone)
-    if adequacy is not None:
-        return adequacy, whole
+    if not alone:
+        at = float(data.times[int(np.argmax(np.diff(data.times)))])
+        words = (
+            f"The record does not tell how many swings there were in its gap at {at:.4g} s: "
+            "several lengths describe it equally well."
+        )
+        return Adequacy(words, "gap", at), whole
+    aside_doubt = pivot_doubt(whole)
+    if aside_doubt is not None:
+        return aside_doubt, whole
     few = misfit_doubt(whole, data)
     fit_part = part_fitter(whole, terms, aside)
     period = math.tau / whole.values["natural_frequency"]
@@ -117,14 +122,6 @@ def doubt_of(
             return Adequacy(said("other_equation", reason=other[1]), other[0]), whole
     broken = said("broken_record", scatter=size, time=cut.instant, reason=reason)
     return Adequacy(broken, kind, cut.instant), whole
-
-
-def _before_any_cut(data: Data, whole: Solution, *, alone: bool) -> Adequacy | None:
-    """Return the doubt that needs no fit of parts: an open gap, or a pivot far from its place."""
-    if not alone:
-        at = float(data.times[int(np.argmax(np.diff(data.times)))])
-        return Adequacy(said("open_gap", time=at), "gap", at)
-    return pivot_doubt(whole)
 
 
 def _of_whole(
@@ -226,10 +223,7 @@ def _of_cut(cut: Cut) -> tuple[str, Sentence]:
     kind = min(_KINDS, key=lambda each: misfit_of(each, left.get(each.name, off), covariance))
     seconds = f"{float(lost[fewest]):.3g} s"
     turn = off["offset"]
-    offset = said("angle_rad", angle=turn)
-    for one, name in ((math.tau, "whole_turn"), (math.pi, "half_turn")):
-        if abs(abs(turn) - one) < _NEAR * one:
-            offset = said(name)
+    offset = turn_words(turn) or said("angle_rad", angle=turn)
     numbers = {
         "share": share, "lost": seconds, "pace": _pace_words(pace), "offset": offset,
         "drag_before": before["drag"], "drag_after": after["drag"],

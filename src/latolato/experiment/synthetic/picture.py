@@ -3,23 +3,28 @@
 from __future__ import annotations
 
 import math
-from functools import partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
+from latolato.experiment.calibration.lens import distorted, undistorted
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.render import BOLT, Floats, Image, Look, develop, paint
 from latolato.experiment.synthetic.scene import Camera, Scene, linear_colour
-from latolato.experiment.synthetic.wall import make_wall
 
 # Normal numbers that all frames' noise is read from, at random places.
 _NOISE_SIZE = 1 << 22
 _CODES = 1 << 14
-# Length of the hand's arm and how far the fingers reach from the palm's middle, in its radii.
-_ARM, _FINGERS = 60.0, 2.3
+# A place whose undistorted one is not found to this is not shown by the lens [pixels].
+_FOLDED = 1e-3
+
+# Colours of band, rods, block, bolt, rail and post (sRGB); where light comes from; and the shift of
+# shadows to the right and upwards, and the width of their edges [m].
+_BAND, _ROD, _BLOCK, _BOLT = "#f4f1e8", "#4a4d52", "#8d939c", "#1c1e22"
+_RAIL, _POST = "#c3c7cc", "#3b6b4c"
+_LIGHT, _SHADOW, _SOFT = (-0.45, 0.6), (0.03, -0.03), 0.008
 
 # First column and row of a part of the picture, and those after its last.
 Box = tuple[int, int, int, int]
@@ -38,7 +43,6 @@ class Projection:
         self.camera = camera
         self.scale = camera.pixels_per_metre
         self.cosine, self.sine = math.cos(camera.roll), math.sin(camera.roll)
-        self.middle = (0.5 * (camera.width - 1), 0.5 * (camera.height - 1))
         # The clicked pivot is a point of the picture as shown.
         u, v = self.straightened(np.array(camera.pivot_u), np.array(camera.pivot_v))
         self.origin = (float(u), float(v))
@@ -57,33 +61,20 @@ class Projection:
     def distorted(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
         """Columns and rows at which a lens shows undistorted points of the picture [pixels]."""
         camera = self.camera
-        if not camera.has_lens:
-            return u, v
-        du, dv = u - self.middle[0], v - self.middle[1]
-        q = (du * du + dv * dv) / camera.lens_scale**2
-        factor = 1.0 + q * (camera.k1 + camera.k2 * q)
-        return self.middle[0] + factor * du, self.middle[1] + factor * dv
+        shown = distorted(np.stack([u, v], axis=-1), (camera.width, camera.height), camera.optics)
+        return shown[..., 0], shown[..., 1]
 
     def straightened(self, u: Floats, v: Floats) -> tuple[Floats, Floats]:
-        """Return the undistorted places of points of the picture, by Newton's method."""
-        camera = self.camera
-        if not camera.has_lens:
-            return u, v
-        du, dv = u - self.middle[0], v - self.middle[1]
-        aim = np.hypot(du, dv) / camera.lens_scale
-        q = np.array(aim)
-        for _ in range(50):
-            value = q * (1.0 + q * q * (camera.k1 + camera.k2 * q * q))
-            slope = 1.0 + q * q * (3.0 * camera.k1 + 5.0 * camera.k2 * q * q)
-            if np.any(slope <= 0.05):
-                raise InputError(
-                    "k1, k2 must not fold the picture over itself",
-                    value=(camera.k1, camera.k2),
-                    way_out="give smaller ones or a longer focal_length",
-                )
-            q = q - (value - aim) / slope
-        factor = np.divide(q, aim, out=np.ones_like(q), where=aim > 0.0)
-        return self.middle[0] + factor * du, self.middle[1] + factor * dv
+        """Return the undistorted places of points of the picture."""
+        camera, shown = self.camera, np.stack([u, v], axis=-1)
+        true = undistorted(shown, (camera.width, camera.height), camera.optics)
+        if not np.allclose(self.distorted(true[..., 0], true[..., 1]), (u, v), atol=_FOLDED):
+            raise InputError(
+                "k1, k2 must not fold the picture over itself",
+                value=(camera.k1, camera.k2),
+                way_out="give smaller ones or a longer focal_length",
+            )
+        return true[..., 0], true[..., 1]
 
 
 class Renderer:
@@ -99,8 +90,6 @@ class Renderer:
         Radius of each ball [m].
     heights : tuple of float
         Lowest and highest place of the pivot [m].
-    length : float
-        Length of the longer pendulum [m].
     seed : int
         Of texture and noise.
     """
@@ -112,11 +101,10 @@ class Renderer:
         *,
         radii: tuple[float, ...],
         heights: tuple[float, float],
-        length: float,
         seed: int,
     ) -> None:
         self.scene, self.camera, self.seed = scene, camera, seed
-        self.radii, self.length = radii, length
+        self.radii = radii
         self.projection = Projection(camera)
         random = np.random.default_rng([seed, 0])
         shape = (camera.height, camera.width)
@@ -128,12 +116,12 @@ class Renderer:
             self._draw_parked(wall)
         self._wall = wall
         self._pad = math.ceil(3.5 * camera.blur)
-        self.background = self._blurred(self._covered(wall, 0, 0, None))
+        self.background = self._blurred(self._covered(wall, 0, 0))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
 
-    def frame(self, number: int, states: Floats, hand_x: float | None) -> NDArray[np.uint8]:
+    def frame(self, number: int, states: Floats) -> NDArray[np.uint8]:
         """Return the YUV 4:2:0 planes of a frame, shape (3 height/2, width), as stored.
 
         Parameters
@@ -142,10 +130,8 @@ class Renderer:
             Of the frame; fixes its noise.
         states : ndarray, shape (moment, line, point, 2)
             Undistorted u, v of pivot and balls [pixel].
-        hand_x : float, optional
-            Where the hand is [m].
         """
-        light = self.picture(states, hand_x)
+        light = self.picture(states)
         camera = self.camera
         height, width = camera.height, camera.width
         random = np.random.default_rng([self.seed, 1, number])
@@ -160,9 +146,9 @@ class Renderer:
         stored = np.concatenate([np.ascontiguousarray(plane).ravel() for plane in planes])
         return stored.reshape(-1, planes[0].shape[1])
 
-    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
+    def picture(self, states: Floats) -> Image:
         """Return the picture in linear light, shape (height, width, 3), without noise."""
-        u0, v0, u1, v1 = self._box(states, hand_x)
+        u0, v0, u1, v1 = self._box(states)
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
         camera, pad = self.camera, self._pad
@@ -171,7 +157,7 @@ class Renderer:
         axis = 1 if camera.rotation in (90, 270) else 0
         paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        part = self._blurred(self._covered(wall + total, u0, v0, hand_x))
+        part = self._blurred(self._covered(wall + total, u0, v0))
         # Blurring has continued the part's edges, where the background goes on.
         left, top = pad if u0 > 0 else 0, pad if v0 > 0 else 0
         right, bottom = pad if u1 < camera.width else 0, pad if v1 < camera.height else 0
@@ -181,21 +167,18 @@ class Renderer:
         ]
         return whole
 
-    def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
-        """Return the part of a ball's disc that something in front hides; u, v undistorted."""
+    def covered(self, u: float, v: float, ball: int) -> float:
+        """Return the part of a ball's disc that the post hides; u, v undistorted."""
+        if self.scene.post_width == 0.0:
+            return 0.0
         radius = self.radii[ball] * self.projection.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
-        hidden = np.zeros(int(inside.sum()))
-        places = u + radius * du[inside], v + radius * dv[inside]
-        if self.scene.post_width > 0.0:
-            hidden = np.maximum(hidden, self._post(*places)[0])
-        if hand_x is not None:
-            hidden = np.maximum(hidden, self._hand(*places, hand_x)[0])
+        hidden, _ = self._post(u + radius * du[inside], v + radius * dv[inside])
         return float(hidden.mean())
 
-    def _box(self, states: Floats, hand_x: float | None) -> Box:
+    def _box(self, states: Floats) -> Box:
         """Return the part of the picture that differs from the background."""
         look = self.look
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
@@ -207,28 +190,7 @@ class Renderer:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
-        box = self._box_of(low, high)
-        if hand_x is None:
-            return box
-        (u0, v0, u1, v1), hand = box, self._hand_box(hand_x)
-        return min(u0, hand[0]), min(v0, hand[1]), max(u1, hand[2]), max(v1, hand[3])
-
-    def _hand_box(self, hand_x: float) -> Box:
-        """Return the part of the picture that holds the hand with its arm."""
-        size, middle = self.scene.hand_radius, -self.scene.hand_depth * self.length
-        return self._scene_box(
-            (hand_x - size, hand_x + size),
-            (middle - (_ARM + 1.0) * size, middle + _FINGERS * size),
-        )
-
-    def _scene_box(self, xs: tuple[float, float], ys: tuple[float, float]) -> Box:
-        """Return the part of the picture that holds a rectangle of the scene [m]."""
-        projection = self.projection
-        x, y = np.meshgrid(projection.scale * np.array(xs), projection.scale * np.array(ys))
-        u = projection.origin[0] + projection.cosine * x - projection.sine * y
-        v = projection.origin[1] - projection.sine * x - projection.cosine * y
-        low, high = np.array([u.min(), v.min()]), np.array([u.max(), v.max()])
-        return self._box_of(low - 1.0, high + 1.0)
+        return self._box_of(low, high)
 
     def _box_of(self, low: Floats, high: Floats) -> Box:
         """Return the part of the picture of undistorted places, with what its blur reaches."""
@@ -286,7 +248,7 @@ class Renderer:
         low = scale * (heights[0] - scene.block_height)
         part = np.clip(0.5 + half - np.abs(x), 0.0, 1.0) * np.clip(0.5 + y - low, 0.0, 1.0)
         shade = 1.0 - 0.3 * np.clip(np.abs(x) / half, 0.0, 1.0) ** 2
-        colour = np.array(linear_colour("rail_colour", scene.rail_colour), np.float32)
+        colour = np.array(linear_colour("rail_colour", _RAIL), np.float32)
         part = part.astype(np.float32)[..., None]
         wall += part * (shade.astype(np.float32)[..., None] * colour - wall)
 
@@ -305,38 +267,15 @@ class Renderer:
         x = self._scene_places(u, v)[0] - scene.post_x * scale
         half = 0.5 * scene.post_width * scale
         round_ = np.sqrt(np.clip(1.0 - ((x + 0.3 * half) / (1.4 * half)) ** 2, 0.0, 1.0))
-        colour = np.array(linear_colour("post_colour", scene.post_colour), np.float32)
+        colour = np.array(linear_colour("post_colour", _POST), np.float32)
         return np.clip(0.5 + half - np.abs(x), 0.0, 1.0), (0.55 + 0.45 * round_)[..., None] * colour
 
-    def _hand(self, u: Any, v: Any, hand_x: float) -> tuple[Any, Any]:
-        """Return how much the hand hides at undistorted points, and its linear colour (..., 3)."""
-        gap, size = self._hand_gap(u, v, hand_x), self.scene.hand_radius * self.projection.scale
-        shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
-        colour = np.array(linear_colour("hand_colour", self.scene.hand_colour), np.float32)
-        return np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * colour
-
-    def _hand_gap(self, u: Any, v: Any, hand_x: float) -> Any:
-        """Return the signed distance [pixel] from a palm, four fingers and an arm."""
-        scene, scale = self.scene, self.projection.scale
-        x, y = self._scene_places(u, v)
-        size = scene.hand_radius * scale
-        x, y = (x - hand_x * scale) / size, (y + scene.hand_depth * self.length * scale) / size
-        gap = np.hypot(x, y) - 1.0
-        for lean, reach in ((-0.55, 1.7), (-0.18, 2.0), (0.18, 1.95), (0.6, 1.6)):
-            gap = np.minimum(gap, _capsule(x, y, (0.6 * lean, 0.3), (lean, reach), 0.22))
-        gap = np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
-        return gap * size
-
-    def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
-        """Return a part of the picture with post and hand in front."""
-        part = part.copy()
-        fronts: list[Any] = [self._post] if self.scene.post_width > 0.0 else []
-        if hand_x is not None:
-            fronts.append(partial(self._hand, hand_x=hand_x))
-        for front in fronts:
-            alpha, colour = front(*self._places(part.shape[:2], u0, v0))
-            part += alpha[..., None] * (colour - part)
-        return part
+    def _covered(self, part: Image, u0: int, v0: int) -> Image:
+        """Return a part of the picture with the post in front."""
+        if self.scene.post_width == 0.0:
+            return part
+        alpha, colour = self._post(*self._places(part.shape[:2], u0, v0))
+        return np.asarray(part + alpha[..., None] * (colour - part), np.float32)
 
     def _blurred(self, image: Image) -> Image:
         """Return an image blurred by the optics; its edges are continued."""
@@ -352,11 +291,8 @@ def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Loo
     scale = projection.scale
     # Light and shadow are directions of the scene, which the camera sees turned.
     turn = np.array([[projection.cosine, -projection.sine], [-projection.sine, -projection.cosine]])
-    light = turn @ np.array([scene.light_x, scene.light_y])
-    size = float(np.hypot(*light))
-    if size > 1.0:
-        light = light / size
-    shadow = scale * turn @ np.array([scene.shadow_x, scene.shadow_y])
+    light = turn @ np.array(_LIGHT)
+    shadow = scale * turn @ np.array(_SHADOW)
     return Look(
         radii=(scale * radii[0], scale * radii[-1]),
         rod=0.5 * scale * scene.rod_width,
@@ -375,26 +311,15 @@ def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Loo
         shadow=scene.shadow_darkness,
         shadow_u=float(shadow[0]),
         shadow_v=float(shadow[1]),
-        softness=max(scale * scene.shadow_softness, 1.0),
+        softness=max(scale * _SOFT, 1.0),
     )
 
 
 def _colours(scene: Scene) -> Floats:
     """Return the linear colours in the order of `latolato.experiment.synthetic.render`."""
-    names = ("ball_colour", "left_ball_colour", "pattern_colour", "rod_colour", "block_colour",
-             "bolt_colour")  # fmt: skip
-    texts = [getattr(scene, name) or scene.ball_colour for name in names]
-    colours = np.array([linear_colour(n, t) for n, t in zip(names, texts, strict=True)])
-    assert len(colours) == BOLT + 1
-    return colours
-
-
-def _capsule(x: Any, y: Any, start: tuple[float, float], end: tuple[float, float], r: float) -> Any:
-    """Return the signed distance from a thick line."""
-    du, dv = end[0] - start[0], end[1] - start[1]
-    along = ((x - start[0]) * du + (y - start[1]) * dv) / (du * du + dv * dv)
-    along = np.clip(along, 0.0, 1.0)
-    return np.hypot(x - start[0] - along * du, y - start[1] - along * dv) - r
+    texts = [scene.ball_colour, scene.ball_colour, _BAND, _ROD, _BLOCK, _BOLT]
+    assert len(texts) == BOLT + 1
+    return np.array([linear_colour("ball_colour", text) for text in texts])
 
 
 def _gain(camera: Camera) -> Image:
@@ -409,3 +334,51 @@ def _tones() -> Image:
     x = np.linspace(0.0, 1.0, _CODES)
     codes = np.where(x <= 0.0031308, 12.92 * x, 1.055 * x ** (1.0 / 2.4) - 0.055)
     return np.asarray(codes, np.float32)
+
+
+def make_wall(scene: Scene, shape: tuple[int, int], random: np.random.Generator) -> Image:
+    """Return the background in linear light, shape (height, width, 3)."""
+    base = np.array(linear_colour("wall_colour", scene.wall_colour), np.float32)
+    wall = np.broadcast_to(base, (*shape, 3)).astype(np.float32)
+    if scene.background == "plain" or scene.contrast == 0.0:
+        return wall
+    v, u = np.mgrid[0.0 : 1.0 : shape[0] * 1j, 0.0 : 1.0 : shape[1] * 1j]
+    if scene.background == "gradient":
+        light = 1.0 + scene.contrast * (0.6 * (0.5 - u) + 0.8 * (0.5 - v))
+        tint = np.array([1.05, 1.0, 0.93], np.float32) ** np.float32(scene.contrast)
+        return np.asarray(wall * light[..., None] * tint, np.float32)
+    if scene.background == "texture":
+        strength = 0.22
+        sizes = (240.0, 90.0, 30.0, 10.0, 4.0)
+        light = sum(_clouds(shape, (s, s), random) * 0.85**i for i, s in enumerate(sizes))
+        tint = _clouds(shape, (150.0, 150.0), random)
+    else:
+        strength = 0.42
+        plank = 140.0
+        grain = _clouds(shape, (4.0, 300.0), random) + 0.6 * _clouds(shape, (12.0, 500.0), random)
+        warp = 8.0 * _clouds(shape, (60.0, 260.0), random)
+        ring = np.sin((v * shape[0] + warp * 3.0) / 5.5 + 2.0 * grain)
+        row = np.floor(v * shape[0] / plank).astype(int)
+        tone = random.normal(0.0, 0.8, row.max() + 1)[row]
+        gap = np.abs(v * shape[0] / plank % 1.0 * plank - 1.0) < 1.5
+        light = 0.5 * grain + 0.35 * ring + 0.6 * tone - 2.5 * gap
+        tint = 0.8 + 0.5 * tone
+    factor = np.exp(strength * scene.contrast * light)[..., None]
+    warmth = np.array([0.2, 0.0, -0.3]) * strength * scene.contrast * tint[..., None]
+    return np.asarray(np.clip(wall * factor * np.exp(warmth), 0.0, 1.0), np.float32)
+
+
+def _clouds(
+    shape: tuple[int, int], size: tuple[float, float], random: np.random.Generator
+) -> Floats:
+    """Return smooth noise of unit variance with structures of a size [pixel], v and u."""
+    from scipy.interpolate import BSpline
+
+    noise = random.standard_normal([math.ceil(n / s) + 4 for n, s in zip(shape, size, strict=True)])
+    for axis, (n, s) in enumerate(zip(shape, size, strict=True)):
+        # Uniform cubic B-splines, the one of index i centred at i.
+        knots = np.arange(noise.shape[axis] + 4) - 2.0
+        places = 1.0 + np.arange(n) / s + random.uniform()
+        splines = BSpline.design_matrix(places, knots, 3)
+        noise = np.moveaxis(splines @ np.moveaxis(noise, axis, 0), 0, axis)
+    return np.asarray(noise / noise.std())

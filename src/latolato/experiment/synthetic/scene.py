@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import COUNT, NON_NEGATIVE, POSITIVE, UNIT_INTERVAL, Quantity, Range
 from latolato.core.registry import check_fields, checked_choice, checked_count
+from latolato.experiment.calibration.lens import Optics
 
 BACKGROUNDS = ("plain", "gradient", "texture", "wood")
 ROTATIONS = (0, 90, 180, 270)
@@ -36,8 +38,7 @@ class Scene:
     A length of 0 omits that part of the mechanism.
     """
 
-    ball_colour: str = _text("#e8590c", "colour of the ball, or of the right one of two")
-    left_ball_colour: str = _text("", "colour of the left ball; empty for the same")
+    ball_colour: str = _text("#e8590c", "colour of the balls")
     ball_radius: float = _number(0.0, "m", "radius of a ball if the run has none; 0: l/15")
     centre_length: float = _number(0.0, "m", "pivot to the ball's centre; 0: the length of the run")
     ambient: float = _number(0.35, "1", "ambient light; 1 draws flat discs", UNIT_INTERVAL)
@@ -45,42 +46,24 @@ class Scene:
     metal: float = _number(0.0, "1", "1 for a ball that reflects its surroundings", UNIT_INTERVAL)
     pattern: float = _number(0.0, "1", "width of a band around the ball, relative to its diameter",
                              Range(0.0, 1.0))  # fmt: skip
-    pattern_colour: str = _text("#f4f1e8", "colour of the band")
-    light_x: float = _number(-0.45, "1", "direction to the light: right", Range(-1.0, 1.0))
-    light_y: float = _number(0.6, "1", "direction to the light: up", Range(-1.0, 1.0))
     rod_width: float = _number(0.004, "m", "width of rods; strings are about 0.001")
-    rod_colour: str = _text("#4a4d52", "colour of rods or strings")
     block_width: float = _number(0.05, "m", "width of the block that carries the pivot")
     block_height: float = _number(0.03, "m", "height of the block")
-    block_colour: str = _text("#8d939c", "colour of the block")
     bolt_radius: float = _number(0.006, "m", "radius of the hinge bolt")
-    bolt_colour: str = _text("#1c1e22", "colour of the hinge bolt")
     rail_width: float = _number(0.018, "m", "width of the rail that guides the block")
-    rail_colour: str = _text("#c3c7cc", "colour of the rail")
     background: str = _text("plain", "what the wall looks like", BACKGROUNDS)
     wall_colour: str = _text("#d9d6ce", "colour of the wall")
     contrast: float = _number(0.5, "1", "strength of gradient, texture or wood", UNIT_INTERVAL)
     shadow_darkness: float = _number(0.0, "1", "light that the shadow removes", UNIT_INTERVAL)
-    shadow_x: float = _number(0.03, "m", "shift of the shadow to the right", Range())
-    shadow_y: float = _number(-0.03, "m", "shift of the shadow upwards", Range())
-    shadow_softness: float = _number(0.008, "m", "width of the shadow's edge", POSITIVE)
     post_width: float = _number(0.0, "m", "width of a vertical post in front")
     post_x: float = _number(0.06, "m", "where the post stands", Range())
-    post_colour: str = _text("#3b6b4c", "colour of the post")
-    hand_radius: float = _number(0.0, "m", "size of a hand that passes in front")
-    hand_time: float = _number(3.0, "s", "when the hand is below the pivot")
-    hand_speed: float = _number(0.25, "m/s", "speed of the hand to the right", Range())
-    hand_depth: float = _number(0.8, "1", "how far down it passes, over the length", Range())
-    hand_colour: str = _text("#c98d6b", "colour of the hand")
     parked_x: float = _number(0.0, "m", "where a second ball is parked; with y = 0: none", Range())
     parked_y: float = _number(0.0, "m", "where a second ball is parked", Range())
 
     def __post_init__(self) -> None:
         check_fields(self)
-        for name in (f for f in self.__dataclass_fields__ if f.endswith("_colour")):
-            value = getattr(self, name)
-            if name != "left_ball_colour" or value != "":
-                linear_colour(name, value)
+        for name in ("ball_colour", "wall_colour"):
+            linear_colour(name, getattr(self, name))
         checked_choice("background", self.background, BACKGROUNDS)
 
     @property
@@ -93,10 +76,9 @@ class Scene:
 class Camera:
     """How the scene is filmed; pixels count from the upper left corner of the picture shown.
 
-    The time stamp of a frame is the middle of the exposure of its row `stamp_row`. With a
-    `row_time` row i of the stored picture is exposed ``(i - stamp_row (rows - 1)) row_time``
-    later. A point at distance r from the picture's middle appears at ``r (1 + k1 q^2 + k2 q^4)``,
-    q = r/`focal_length`.
+    The time stamp of a frame is the middle of its first row's exposure. With a `row_time` row i of
+    the stored picture is exposed ``i row_time`` later. A point at distance r from the picture's
+    middle appears at ``r (1 + k1 q^2 + k2 q^4)``, q = r/`focal_length`.
     """
 
     width: int = field(default=1280, metadata={"description": "width as shown [pixel]"})
@@ -119,16 +101,11 @@ class Camera:
         },
     )
     row_time: float = _number(0.0, "s", "time between rows of a rolling shutter")
-    stamp_row: float = _number(0.0, "1", "row to which the time stamp refers: 0 first, 1 last",
-                               UNIT_INTERVAL)  # fmt: skip
     k1: float = _number(0.0, "1", "radial lens coefficient", Range(-0.5, 0.5))
     k2: float = _number(0.0, "1", "second radial lens coefficient", Range(-0.5, 0.5))
     focal_length: float = _number(0.0, "pixel", "focal length; 0: half the diagonal")
     exposure: float = _number(0.25, "1", "share of the frame time that is exposed",
                               Range(0.0, 1.0, open_low=True))  # fmt: skip
-    sub_exposures: int = field(
-        default=8, metadata={"description": "least number of instants averaged over an exposure"}
-    )
     blur: float = _number(0.7, "pixel", "standard deviation of the optical blur", Range(0.0, 20.0))
     brightness: float = _number(1.0, "1", "light that reaches the sensor", Range(0.0, 4.0, True))
     electrons: float = _number(12000.0, "1", "electrons in a white pixel; few give shot noise",
@@ -142,8 +119,7 @@ class Camera:
     def __post_init__(self) -> None:
         check_fields(self)
         low, high = SIZES
-        whole = {"width": COUNT, "height": COUNT, "sub_exposures": Range(1, 1000)}
-        for name, allowed in (whole | {"crf": Range(0, 51)}).items():
+        for name, allowed in {"width": COUNT, "height": COUNT, "crf": Range(0, 51)}.items():
             object.__setattr__(self, name, checked_count(name, getattr(self, name), allowed))
         for name in ("width", "height"):
             size = getattr(self, name)
@@ -169,10 +145,12 @@ class Camera:
         return self.width if self.rotation in (90, 270) else self.height
 
     @property
-    def lens_scale(self) -> float:
-        """Distance from the middle at which q = 1 [pixel]."""
-        half_diagonal: float = 0.5 * (self.width**2 + self.height**2) ** 0.5
-        return self.focal_length or half_diagonal
+    def optics(self) -> Optics:
+        """What a user would declare about it to the tracker."""
+        half_diagonal = 0.5 * math.hypot(self.width, self.height)
+        wider = half_diagonal / (self.focal_length or half_diagonal)
+        k1, k2 = self.k1 * wider**2, self.k2 * wider**4
+        return Optics(row_time=self.row_time, lens_k1=k1, lens_k2=k2)
 
     @property
     def has_lens(self) -> bool:

@@ -41,7 +41,7 @@ _OCCLUDED = 0.02
 _TOUCHING = 1e-6
 # Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
 _SMOOTH = 0.45
-_MOST_MOMENTS = 400
+_LEAST_MOMENTS, _MOST_MOMENTS = 8, 400
 # Frames that are painted ahead of the encoder.
 _AHEAD = 4
 
@@ -128,8 +128,8 @@ def synthesise_video(
     -----
     Light is added up in linear values: covered parts of pixels, moments of the exposure (more
     where things move by over 0.45 pixel between two), a Gaussian blur; then come shot and read
-    noise, the sRGB tone curve and BT.709 codes. Video time 0 is half an exposure into the run (and
-    later by what a rolling shutter needs); the attribute ``run_time`` says when exactly.
+    noise, the sRGB tone curve and BT.709 codes. Video time 0 is half an exposure into the run,
+    as the attribute ``run_time`` says.
     """
     path = Path(path)
     check_target(path, truth)
@@ -168,8 +168,6 @@ class Film:
         Time stamps [tick].
     begin : float
         The run's time at video time 0 [s].
-    hands : list
-        Where the hand is in each frame [m], or None.
     """
 
     run: xr.Dataset
@@ -177,7 +175,6 @@ class Film:
     renderer: Renderer
     stamps: Any
     begin: float
-    hands: list[Any]
 
     @property
     def camera(self) -> Camera:
@@ -190,21 +187,83 @@ class Film:
         return np.asarray(self.stamps / TICKS)
 
     def states(self, number: int) -> Floats:
-        """Return u, v of pivot and balls in a frame's exposure, (moment, line, point, 2)."""
-        time = self.begin + float(self.times[number])
-        return exposure_states(self.motion, self.camera, self.renderer.projection, time)
+        """Return undistorted u, v of pivot and balls in an exposure, (moment, line, point, 2)."""
+        motion, camera, projection = self.motion, self.camera, self.renderer.projection
+        rows = camera.rows if camera.row_time > 0.0 else 1
+        times = self.begin + float(self.times[number]) + camera.row_time * np.arange(rows)
+        half = 0.5 * camera.exposure / camera.fps
+        ends = _states(motion, projection, times + half * np.array([[-1.0], [0.0], [1.0]]))
+        # Twice the larger half, for the motion may turn round.
+        steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
+        count = 2 * min(steps, _MOST_MOMENTS) if steps > _LEAST_MOMENTS else _LEAST_MOMENTS
+        moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
+        return _states(motion, projection, times + moments[:, None])
 
     def frame(self, number: int) -> Any:
         """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
-        return self.renderer.frame(number, self.states(number), self.hands[number])
+        return self.renderer.frame(number, self.states(number))
 
     def picture(self, number: int) -> Any:
         """Return a frame as shown in linear light, without noise, shape (height, width, 3)."""
-        return self.renderer.picture(self.states(number), self.hands[number])
+        return self.renderer.picture(self.states(number))
 
     def truth(self) -> xr.Dataset:
-        """Return the track table that is true of the video."""
-        return _true_table(self)
+        """Return the track table that is true of the video, with the clicks as attributes."""
+        motion, run, renderer, begin = self.motion, self.run, self.renderer, self.begin
+        camera, projection, times = self.camera, renderer.projection, self.times
+        height, angles = motion.at(begin + times)
+        columns: dict[str, Any] = {
+            "time": times,
+            "pivot_x": np.zeros_like(times),
+            "pivot_y": height,
+        }
+        half = 0.5 * camera.exposure / camera.fps
+        moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
+        touches = _touches(motion, moments)
+        extra = {}
+        clicks: dict[str, float] = {}
+        u, v = projection.in_picture(0.0, height[0])
+        clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
+        for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
+            x, y = length * np.sin(angle), height - length * np.cos(angle)
+            columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
+            columns[f"angle_{i + 1}"] = angle
+            columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
+            places = zip(*projection.flat(x, y), strict=True)
+            hidden = np.array([renderer.covered(u, v, i) for u, v in places])
+            flags = np.where(touches, "collision", "ok")
+            columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
+            extra[f"covered_{i + 1}"] = hidden
+            u, v = projection.in_picture(x[0], y[0])
+            clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
+        attributes = {
+            **{
+                k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"
+            },
+            "title": f"truth of a synthetic video of {run.attrs['system']}",
+            "length": max(motion.lengths),
+            "radius": motion.radii[0],
+            "metres_per_pixel": 1.0 / projection.scale,
+            "gravity_direction": camera.roll,
+            **clicks,
+            "run_time": begin,
+            "system": run.attrs["system"],
+            "drive": run.attrs["drive"],
+            "scenario": run.attrs["scenario"],
+            "scene": json.dumps(describe(renderer.scene)),
+            "camera": json.dumps(describe(camera)),
+        }
+        table = track_table(columns, attributes)
+        for name, values in extra.items():
+            meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
+            table[name] = ("frame", values, meaning)
+        meaning = {
+            "units": "1",
+            "long_name": "whether balls touch during the exposure",
+            "symbol": "",
+        }
+        table["is_contact"] = ("frame", touches, meaning)
+        return table
 
 
 def prepare(
@@ -225,13 +284,9 @@ def prepare(
         camera,
         radii=motion.radii,
         heights=(float(motion.heights.min()), float(motion.heights.max())),
-        length=max(motion.lengths),
         seed=seed,
     )
-    hands = (scene.hand_speed * (times - scene.hand_time)).tolist()
-    if scene.hand_radius <= 0.0:
-        hands = [None] * len(times)
-    return Film(run, motion, renderer, stamps, begin, hands)
+    return Film(run, motion, renderer, stamps, begin)
 
 
 def _frames(film: Film, progress: Callable[[float], None] | None) -> Iterator[tuple[int, Any]]:
@@ -280,8 +335,7 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     pause = 1.0 / camera.fps
     half = 0.5 * camera.exposure * pause
     readout = camera.row_time * (camera.rows - 1)
-    begin = half + readout * camera.stamp_row
-    room = float(run["time"][-1]) - begin - half - readout * (1.0 - camera.stamp_row)
+    room = float(run["time"][-1]) - 2.0 * half - readout
     count = math.floor(room / pause + 1e-9) + 1
     if count < 2:
         raise InputError(
@@ -307,7 +361,7 @@ def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float
     stamps = np.round(times * TICKS).astype(np.int64)
     # The last stamp may round up beyond the run's end.
     stamps[-1] = min(stamps[-1], math.floor(max(room, 0.0) * TICKS))
-    return stamps, begin
+    return stamps, half
 
 
 def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion, xr.Dataset]:
@@ -383,20 +437,6 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
     )
 
 
-def exposure_states(motion: Motion, camera: Camera, projection: Projection, time: float) -> Floats:
-    """Return undistorted u, v of pivot and balls [pixel], shape (moment, line, point, 2)."""
-    rows = camera.rows if camera.row_time > 0.0 else 1
-    late = camera.row_time * (np.arange(rows) - camera.stamp_row * (rows - 1))
-    half = 0.5 * camera.exposure / camera.fps
-    ends = _states(motion, projection, time + late + half * np.array([[-1.0], [0.0], [1.0]]))
-    # Twice the larger half, for the motion may turn round.
-    steps = math.ceil(np.linalg.norm(np.diff(ends, axis=0), axis=-1).max() / _SMOOTH)
-    least = camera.sub_exposures
-    count = 2 * min(steps, _MOST_MOMENTS) if steps > least else least
-    moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
-    return _states(motion, projection, time + late + moments[:, None])
-
-
 def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
     """Return undistorted u, v of pivot and balls at instants, shape (..., point, 2)."""
     height, angles = motion.at(times)
@@ -406,58 +446,6 @@ def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
         for angle, length in zip(angles, motion.lengths, strict=True)
     ]
     return np.moveaxis(np.array(points), (0, 1), (-2, -1)).copy()
-
-
-def _true_table(film: Film) -> xr.Dataset:
-    """Return the track table of what was filmed, with the clicks as attributes."""
-    motion, run, renderer, begin = film.motion, film.run, film.renderer, film.begin
-    camera, projection, times = film.camera, renderer.projection, film.times
-    height, angles = motion.at(begin + times)
-    columns: dict[str, Any] = {"time": times, "pivot_x": np.zeros_like(times), "pivot_y": height}
-    half = 0.5 * camera.exposure / camera.fps
-    moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
-    touches = _touches(motion, moments)
-    extra = {}
-    clicks: dict[str, float] = {}
-    u, v = projection.in_picture(0.0, height[0])
-    clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
-    for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
-        x, y = length * np.sin(angle), height - length * np.cos(angle)
-        columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
-        columns[f"angle_{i + 1}"] = angle
-        columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
-        places = zip(*projection.flat(x, y), film.hands, strict=True)
-        hidden = np.array([renderer.covered(a, b, i, hand) for a, b, hand in places])
-        flags = np.where(touches, "collision", "ok")
-        columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
-        extra[f"covered_{i + 1}"] = hidden
-        u, v = projection.in_picture(x[0], y[0])
-        clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
-    if renderer.scene.is_parked:
-        u, v = projection.in_picture(renderer.scene.parked_x, renderer.scene.parked_y)
-        clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
-    attributes = {
-        **{k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"},
-        "title": f"truth of a synthetic video of {run.attrs['system']}",
-        "length": max(motion.lengths),
-        "radius": motion.radii[0],
-        "metres_per_pixel": 1.0 / projection.scale,
-        "gravity_direction": camera.roll,
-        **clicks,
-        "run_time": begin,
-        "system": run.attrs["system"],
-        "drive": run.attrs["drive"],
-        "scenario": run.attrs["scenario"],
-        "scene": json.dumps(describe(renderer.scene)),
-        "camera": json.dumps(describe(camera)),
-    }
-    table = track_table(columns, attributes)
-    for name, values in extra.items():
-        meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
-        table[name] = ("frame", values, meaning)
-    meaning = {"units": "1", "long_name": "whether balls touch during the exposure", "symbol": ""}
-    table["is_contact"] = ("frame", touches, meaning)
-    return table
 
 
 def _touches(motion: Motion, moments: Floats) -> Any:
