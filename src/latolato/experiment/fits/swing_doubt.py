@@ -92,11 +92,7 @@ def doubt_of(
     """
     if not alone:
         at = float(data.times[int(np.argmax(np.diff(data.times)))])
-        words = (
-            f"The record does not tell how many swings there were in its gap at {at:.4g} s: "
-            "several lengths describe it equally well."
-        )
-        return Adequacy(words, "gap", at), whole
+        return Adequacy(said("open_gap", time=at), "gap", at), whole
     aside_doubt = pivot_doubt(whole)
     if aside_doubt is not None:
         return aside_doubt, whole
