@@ -195,7 +195,7 @@ def test_a_ball_behind_the_post_is_flagged_and_not_seen(run):
     "camera", [{}, {"roll": 0.4, "yaw": 0.5}, {"roll": -1.0, "k1": -0.12}, {"k1": 0.1, "blur": 2.0}]
 )
 def test_nothing_that_moves_is_cut_off(run, camera, monkeypatch):
-    scene = Scene(ball_radius=0.02, post_width=0.05, post_x=0.1)
+    scene = Scene(ball_radius=0.02, post_width=0.05, post_x=0.1, hand_radius=0.04, hand_time=0.4)
     film = prepare(run, scene, dataclasses.replace(SMALL, **camera))
     numbers = range(0, len(film.stamps), 6)
     pictures = [film.picture(number) for number in numbers]

@@ -43,7 +43,7 @@ conditions = {
             "wall_colour": "#8f9296", "shadow_darkness": 0.3,
         }
     ),
-    "occluded": Condition(scene={"post_width": 0.03}),
+    "occluded": Condition(scene={"post_width": 0.03, "hand_radius": 0.03}),
     # 14 ms from the first row to the last
     "rolling": Condition(camera={"row_time": 15e-6}),
     "lens": Condition(camera={"k1": -0.08, "k2": 0.01}),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,11 +21,14 @@ _CODES = 1 << 14
 # A place whose undistorted one is not found to this is not shown by the lens [pixels].
 _FOLDED = 1e-3
 
-# Colours of band, rods, block, bolt, rail and post (sRGB); where light comes from; and the shift of
-# shadows to the right and upwards, and the width of their edges [m].
+# Colours of band, rods, block, bolt, rail, post and hand (sRGB); where light comes from; and the
+# shift of shadows to the right and upwards, and the width of their edges [m].
 _BAND, _ROD, _BLOCK, _BOLT = "#f4f1e8", "#4a4d52", "#8d939c", "#1c1e22"
-_RAIL, _POST = "#c3c7cc", "#3b6b4c"
+_RAIL, _POST, _SKIN = "#c3c7cc", "#3b6b4c", "#c98d6b"
 _LIGHT, _SHADOW, _SOFT = (-0.45, 0.6), (0.03, -0.03), 0.008
+# Length of the hand's arm and how far the fingers reach from the palm's middle, in its radii, and
+# how far down it passes, over the length.
+_ARM, _FINGERS, _DEPTH = 60.0, 2.3, 0.8
 
 # First column and row of a part of the picture, and those after its last.
 Box = tuple[int, int, int, int]
@@ -90,6 +94,8 @@ class Renderer:
         Radius of each ball [m].
     heights : tuple of float
         Lowest and highest place of the pivot [m].
+    length : float
+        Length of the longer pendulum [m].
     seed : int
         Of texture and noise.
     """
@@ -101,10 +107,11 @@ class Renderer:
         *,
         radii: tuple[float, ...],
         heights: tuple[float, float],
+        length: float,
         seed: int,
     ) -> None:
         self.scene, self.camera, self.seed = scene, camera, seed
-        self.radii = radii
+        self.radii, self.length = radii, length
         self.projection = Projection(camera)
         random = np.random.default_rng([seed, 0])
         shape = (camera.height, camera.width)
@@ -116,12 +123,12 @@ class Renderer:
             self._draw_parked(wall)
         self._wall = wall
         self._pad = math.ceil(3.5 * camera.blur)
-        self.background = self._blurred(self._covered(wall, 0, 0))
+        self.background = self._blurred(self._covered(wall, 0, 0, None))
         self._noise = random.standard_normal(_NOISE_SIZE, dtype=np.float32)
         self._gain = _gain(camera)
         self._tones = _tones()
 
-    def frame(self, number: int, states: Floats) -> NDArray[np.uint8]:
+    def frame(self, number: int, states: Floats, hand_x: float | None) -> NDArray[np.uint8]:
         """Return the YUV 4:2:0 planes of a frame, shape (3 height/2, width), as stored.
 
         Parameters
@@ -130,8 +137,10 @@ class Renderer:
             Of the frame; fixes its noise.
         states : ndarray, shape (moment, line, point, 2)
             Undistorted u, v of pivot and balls [pixel].
+        hand_x : float or None
+            Where the hand is [m].
         """
-        light = self.picture(states)
+        light = self.picture(states, hand_x)
         camera = self.camera
         height, width = camera.height, camera.width
         random = np.random.default_rng([self.seed, 1, number])
@@ -146,9 +155,9 @@ class Renderer:
         stored = np.concatenate([np.ascontiguousarray(plane).ravel() for plane in planes])
         return stored.reshape(-1, planes[0].shape[1])
 
-    def picture(self, states: Floats) -> Image:
+    def picture(self, states: Floats, hand_x: float | None = None) -> Image:
         """Return the picture in linear light, shape (height, width, 3), without noise."""
-        u0, v0, u1, v1 = self._box(states)
+        u0, v0, u1, v1 = self._box(states, hand_x)
         wall: Any = self._wall[v0:v1, u0:u1]
         total = np.zeros(wall.shape, np.float32)
         camera, pad = self.camera, self._pad
@@ -157,7 +166,7 @@ class Renderer:
         axis = 1 if camera.rotation in (90, 270) else 0
         paint(total, (u0, v0), wall, states, axis, self._maps, self.look, self.colours)
         total /= np.float32(states.shape[0])
-        part = self._blurred(self._covered(wall + total, u0, v0))
+        part = self._blurred(self._covered(wall + total, u0, v0, hand_x))
         # Blurring has continued the part's edges, where the background goes on.
         left, top = pad if u0 > 0 else 0, pad if v0 > 0 else 0
         right, bottom = pad if u1 < camera.width else 0, pad if v1 < camera.height else 0
@@ -167,18 +176,19 @@ class Renderer:
         ]
         return whole
 
-    def covered(self, u: float, v: float, ball: int) -> float:
-        """Return the part of a ball's disc that the post hides; u, v undistorted."""
-        if self.scene.post_width == 0.0:
-            return 0.0
+    def covered(self, u: float, v: float, ball: int, hand_x: float | None) -> float:
+        """Return the part of a ball's disc that post and hand hide; u, v undistorted."""
         radius = self.radii[ball] * self.projection.scale
         grid = np.linspace(-1.0, 1.0, 25)
         du, dv = np.meshgrid(grid, grid)
         inside = du * du + dv * dv <= 1.0
-        hidden, _ = self._post(u + radius * du[inside], v + radius * dv[inside])
+        hidden = np.zeros(int(inside.sum()))
+        for front in self._fronts(hand_x):
+            alpha, _ = front(u + radius * du[inside], v + radius * dv[inside])
+            hidden = np.maximum(hidden, alpha)
         return float(hidden.mean())
 
-    def _box(self, states: Floats) -> Box:
+    def _box(self, states: Floats, hand_x: float | None) -> Box:
         """Return the part of the picture that differs from the background."""
         look = self.look
         low, high = states.min(axis=(0, 1, 2)), states.max(axis=(0, 1, 2))
@@ -190,6 +200,9 @@ class Renderer:
             soft = 0.5 * look.softness
             low = np.minimum(low, low + shift - soft)
             high = np.maximum(high, high + shift + soft)
+        if hand_x is not None:
+            corners = self._hand_corners(hand_x)
+            low, high = np.minimum(low, corners.min(axis=0)), np.maximum(high, corners.max(axis=0))
         return self._box_of(low, high)
 
     def _box_of(self, low: Floats, high: Floats) -> Box:
@@ -270,12 +283,44 @@ class Renderer:
         colour = np.array(linear_colour("post_colour", _POST), np.float32)
         return np.clip(0.5 + half - np.abs(x), 0.0, 1.0), (0.55 + 0.45 * round_)[..., None] * colour
 
-    def _covered(self, part: Image, u0: int, v0: int) -> Image:
-        """Return a part of the picture with the post in front."""
-        if self.scene.post_width == 0.0:
-            return part
-        alpha, colour = self._post(*self._places(part.shape[:2], u0, v0))
-        return np.asarray(part + alpha[..., None] * (colour - part), np.float32)
+    def _hand(self, u: Any, v: Any, hand_x: float) -> tuple[Any, Any]:
+        """Return how much the hand hides at undistorted points, and its linear colour (..., 3).
+
+        It is a palm with four fingers and an arm.
+        """
+        scale = self.projection.scale
+        size = self.scene.hand_radius * scale
+        x, y = self._scene_places(u, v)
+        x, y = (x - hand_x * scale) / size, (y + _DEPTH * self.length * scale) / size
+        gap = np.hypot(x, y) - 1.0
+        for lean, reach in ((-0.55, 1.7), (-0.18, 2.0), (0.18, 1.95), (0.6, 1.6)):
+            gap = np.minimum(gap, _capsule(x, y, (0.6 * lean, 0.3), (lean, reach), 0.22))
+        gap = size * np.minimum(gap, _capsule(x, y, (0.0, 0.0), (0.0, -_ARM), 0.62))
+        shade = 0.6 + 0.4 * np.clip(-gap / (0.5 * size), 0.0, 1.0)
+        colour = np.array(linear_colour("hand_colour", _SKIN), np.float32)
+        return np.clip(0.5 - gap, 0.0, 1.0), shade[..., None] * colour
+
+    def _hand_corners(self, hand_x: float) -> Floats:
+        """Return undistorted u, v of corners that hold hand and arm [pixel], shape (4, 2)."""
+        size, middle = self.scene.hand_radius, -_DEPTH * self.length
+        x, y = np.meshgrid(
+            (hand_x - size, hand_x + size), (middle - (_ARM + 1.0) * size, middle + _FINGERS * size)
+        )
+        return np.stack(self.projection.flat(x.ravel(), y.ravel()), axis=-1)
+
+    def _fronts(self, hand_x: float | None) -> list[Any]:
+        """Return what is in front of the balls: how much each hides at places, and its colour."""
+        fronts: list[Any] = [self._post] if self.scene.post_width > 0.0 else []
+        if hand_x is not None:
+            fronts.append(partial(self._hand, hand_x=hand_x))
+        return fronts
+
+    def _covered(self, part: Image, u0: int, v0: int, hand_x: float | None) -> Image:
+        """Return a part of the picture with post and hand in front."""
+        for front in self._fronts(hand_x):
+            alpha, colour = front(*self._places(part.shape[:2], u0, v0))
+            part = np.asarray(part + alpha[..., None] * (colour - part), np.float32)
+        return part
 
     def _blurred(self, image: Image) -> Image:
         """Return an image blurred by the optics; its edges are continued."""
@@ -284,6 +329,14 @@ class Renderer:
         cv2, size = import_cv2(), 2 * self._pad + 1
         edge = {"sigmaX": self.camera.blur, "borderType": cv2.BORDER_REPLICATE}
         return np.asarray(cv2.GaussianBlur(image, (size, size), **edge))
+
+
+def _capsule(x: Any, y: Any, start: tuple[float, float], end: tuple[float, float], r: float) -> Any:
+    """Return the signed distance from a thick line."""
+    du, dv = end[0] - start[0], end[1] - start[1]
+    along = ((x - start[0]) * du + (y - start[1]) * dv) / (du * du + dv * dv)
+    along = np.clip(along, 0.0, 1.0)
+    return np.hypot(x - start[0] - along * du, y - start[1] - along * dv) - r
 
 
 def _look(scene: Scene, projection: Projection, radii: tuple[float, ...]) -> Look:

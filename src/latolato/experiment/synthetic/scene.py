@@ -57,6 +57,8 @@ class Scene:
     shadow_darkness: float = _number(0.0, "1", "light that the shadow removes", UNIT_INTERVAL)
     post_width: float = _number(0.0, "m", "width of a vertical post in front")
     post_x: float = _number(0.06, "m", "where the post stands", Range())
+    hand_radius: float = _number(0.0, "m", "size of a hand that passes in front")
+    hand_time: float = _number(3.0, "s", "when the hand is below the pivot")
     parked_x: float = _number(0.0, "m", "where a second ball is parked; with y = 0: none", Range())
     parked_y: float = _number(0.0, "m", "where a second ball is parked", Range())
 

@@ -37,6 +37,8 @@ MOST_FRAMES = 100_000
 _FILLED = 0.86
 # A ball of which more is hidden counts as occluded.
 _OCCLUDED = 0.02
+# Speed of the hand to the right [m/s].
+_HAND_SPEED = 0.25
 # Balls this near to the contact angle touch [rad].
 _TOUCHING = 1e-6
 # Motion between two averaged moments of an exposure [pixel]: smears look and measure as smooth.
@@ -199,13 +201,20 @@ class Film:
         moments = 2.0 * half * ((np.arange(count) + 0.5) / count - 0.5)
         return _states(motion, projection, times + moments[:, None])
 
+    def hand_at(self, number: int) -> float | None:
+        """Return where the hand is that passes in front of a frame [m]; None without one."""
+        scene = self.renderer.scene
+        if scene.hand_radius == 0.0:
+            return None
+        return _HAND_SPEED * (float(self.times[number]) - scene.hand_time)
+
     def frame(self, number: int) -> Any:
         """Return the 8-bit YUV planes of a frame as stored, shape (3 height/2, width)."""
-        return self.renderer.frame(number, self.states(number))
+        return self.renderer.frame(number, self.states(number), self.hand_at(number))
 
     def picture(self, number: int) -> Any:
         """Return a frame as shown in linear light, without noise, shape (height, width, 3)."""
-        return self.renderer.picture(self.states(number))
+        return self.renderer.picture(self.states(number), self.hand_at(number))
 
     def truth(self) -> xr.Dataset:
         """Return the track table that is true of the video, with the clicks as attributes."""
@@ -230,7 +239,9 @@ class Film:
             columns[f"angle_{i + 1}"] = angle
             columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
             places = zip(*projection.flat(x, y), strict=True)
-            hidden = np.array([renderer.covered(u, v, i) for u, v in places])
+            hidden = np.array(
+                [renderer.covered(u, v, i, self.hand_at(k)) for k, (u, v) in enumerate(places)]
+            )
             flags = np.where(touches, "collision", "ok")
             columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
             extra[f"covered_{i + 1}"] = hidden
@@ -284,6 +295,7 @@ def prepare(
         camera,
         radii=motion.radii,
         heights=(float(motion.heights.min()), float(motion.heights.max())),
+        length=max(motion.lengths),
         seed=seed,
     )
     return Film(run, motion, renderer, stamps, begin)
