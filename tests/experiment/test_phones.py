@@ -21,7 +21,7 @@ def fast(tmp_path_factory):
     """A driven swing, filmed with 240 frames a second: the file and its true table."""
     path = tmp_path_factory.mktemp("clips") / "fast.mp4"
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=10.0)
-    run = ll.simulate(ll.Pendulum(length=0.363, mass=0.1), drive, initial_angle=0.9, duration=1.3)
+    run = ll.simulate(ll.Pendulum(length=0.363, mass=0.1), drive, initial_angle=0.9, duration=0.9)
     camera = Camera(width=320, height=240, fps=240.0)
     return path, synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=2)
 

@@ -283,7 +283,7 @@ def test_the_chain_gives_the_drive_and_the_damping_back(clips):
 @pytest.mark.parametrize("kind", [pytest.param("driven", marks=pytest.mark.slow), "free", "two"])
 def test_an_undeclared_lens_gives_a_warning_and_no_correction(kind, tmp_path):
     run = {
-        "driven": lambda: _driven(SINGLE, 1.95, duration=1.6, initial_angle=0.6),
+        "driven": lambda: _driven(SINGLE, 1.95, duration=2.0, initial_angle=0.6),
         "free": lambda: _free(3.0),
         "two": lambda: _driven(TOY, 2.3, duration=1.6, initial_angle=0.9),
     }[kind]()
