@@ -351,7 +351,7 @@ def test_a_tampered_file_is_read_or_refused(name, whole, tmp_path, monkeypatch, 
     monkeypatch.chdir(tmp_path)
     shutil.copytree(whole, tmp_path, dirs_exist_ok=True)
     dice = random.Random(name)
-    for _ in range(6 if name in ("film.mp4", "set-up.toml") else 40):
+    for _ in range(6 if name in ("film.mp4", "set-up.toml") else 20):
         target = Path(name)
         if target.is_dir():
             target = dice.choice(sorted(p for p in target.rglob("*") if p.stat().st_size))
@@ -515,7 +515,7 @@ sys.exit(latolato_command.main())
 @pytest.mark.skipif(os.name == "nt", reason="Windows has no SIGINT for a single process")
 def test_ctrl_c_at_any_moment_of_the_start_ends_quietly():
     codes = []
-    for delay in [0.0, 0.003, 0.01, 0.02, 0.04, 0.08, 0.15, 0.3, 0.6, 1.0, 1.5, 2.5]:
+    for delay in [0.0, 0.003, 0.02, 0.08, 0.3, 0.6, 1.5]:
         command = [sys.executable, "-c", STARTED, "simulate", "fig02", "--json"]
         process = subprocess.Popen(
             command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True

@@ -292,7 +292,7 @@ def test_a_clock_or_a_length_that_nobody_has_is_questioned():
 
 
 def test_files_json_and_pages_hold_the_doubt(tmp_path):
-    table = cut_out(3.7)
+    table = cut_out(3.7, at=6.0, duration=16.0)
     write_table(table, tmp_path / "cut.csv")
     arguments = ["fit", "decay", str(tmp_path / "cut.csv"), "--no-compare", "--no-profile"]
     result = CliRunner().invoke(app, arguments)
@@ -437,7 +437,7 @@ def test_halves_of_a_record_with_other_restitutions_are_told_apart():
 def test_noise_alone_shows_a_change_less_often_than_one_in_fifty():
     times = np.arange(0.0, 20.0, 0.05)
     alarms = 0
-    for seed in range(120):
+    for seed in range(60):
         errors = np.random.default_rng(seed).normal(size=len(times))
         data = Data(times, errors, np.ones(len(times)), np.ones(len(times), dtype=np.int64))
         whole = solve(
@@ -446,7 +446,7 @@ def test_noise_alone_shows_a_change_less_often_than_one_in_fifty():
             data,
         )
         alarms += place_of_change(data, whole, 2.0) is not None
-    assert alarms <= 2
+    assert alarms <= 1
 
 
 def test_the_kind_of_a_break_is_the_one_with_the_fewest_changes():
@@ -485,7 +485,7 @@ def test_noise_is_seen_however_few_samples_a_swing_has(rate):
 
 def test_a_steady_drive_of_a_table_is_not_doubted():
     drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=12.0)
-    for seed in range(5):
+    for seed in range(3):
         assert ll.fit_drive(drive_table(drive, duration=10.0, seed=seed), profile=False).describes
 
 

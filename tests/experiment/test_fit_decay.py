@@ -36,13 +36,11 @@ def test_the_papers_decays_give_the_papers_damping(body):
     assert np.median(errors["length"]) < 0.003
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.8])
-def test_the_truth_lies_within_two_sigma_as_often_as_it_should(correlation):
+def test_the_truth_lies_within_two_sigma_as_often_as_it_should():
     misses = []
     for seed in range(24):
-        table = decay_table(
-            **SINGLE, seed=seed, correlation=correlation, angle=0.3 + 0.03 * seed, duration=8.0
-        )
+        noise = {"seed": seed, "correlation": (0.0, 0.8)[seed % 2]}
+        table = decay_table(**SINGLE, **noise, angle=0.3 + 0.03 * seed, duration=8.0)
         fit = fit_decay(table, mass=SINGLE["mass"], method="equation", compare=False, profile=False)
         pair = ("damping", "length")
         misses += [(fit[name].value - SINGLE[name]) / fit[name].sigma for name in pair]

@@ -11,16 +11,17 @@ from latolato.experiment.fits.pivots import pivot_for
 from track_tables import drive_table, noise, planar_table
 
 STEADY = ll.Harmonic(drive_amplitude=0.03, drive_frequency=10.09, drive_phase=1.0)
+# Correlations of the noise: where deviations forget the second, they are too small by 2.4.
+NOISES = 0.0, 0.7
 STEP = ll.FrequencySchedule(
     drive_amplitude=0.03, times=[0.0, 14.166], drive_frequencies=[19.83, 15.11]
 )
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.7])
-def test_a_steady_drive_is_found_within_its_sigma(correlation):
+def test_a_steady_drive_is_found_within_its_sigma():
     misses = []
     for seed in range(12):
-        table = drive_table(STEADY, seed=seed, correlation=correlation, duration=12.0)
+        table = drive_table(STEADY, seed=seed, correlation=NOISES[seed % 2], duration=12.0)
         fit = fit_drive(table, profile=False)
         assert isinstance(fit.drive, ll.Harmonic)
         for name in ("drive_amplitude", "drive_frequency", "drive_phase"):
@@ -46,10 +47,10 @@ def with_across(amplitude):
     return dataclasses.replace(ELLIPSE, horizontal_amplitude=amplitude)
 
 
-@pytest.mark.parametrize("amplitude,correlation", [(0.005, 0.0), (0.03, 0.7)])
-def test_both_directions_of_an_ellipse_are_found_within_their_sigma(amplitude, correlation):
-    drive, misses = with_across(amplitude), {name: [] for name in HORIZONTAL}
+def test_both_directions_of_an_ellipse_are_found_within_their_sigma():
+    misses = {name: [] for name in HORIZONTAL}
     for seed in range(30):
+        drive, correlation = with_across((0.005, 0.03)[seed % 2]), NOISES[seed % 2]
         table = planar_table(drive, seed=seed, correlation=correlation, duration=8.0)
         fit = fit_drive(table, stages=1, profile=False)
         assert isinstance(fit.drive, ll.PlanarHarmonic)
@@ -67,20 +68,20 @@ def test_both_directions_of_an_ellipse_are_found_within_their_sigma(amplitude, c
 
 def test_the_horizontal_phase_far_from_time_zero_has_the_frequencys_uncertainty():
     misses = []
-    for seed in range(20):
+    for seed in range(10):
         table = planar_table(with_across(0.03), duration=80.0, seed=seed)
         fit = fit_drive(table, stages=1, start=70.0, profile=False)
         phase = fit["horizontal_phase"]
         misses.append((phase.value - 2.2) / phase.sigma)
         # At 75 s; noise alone gives 2e-4 m/0.03 m sqrt(2/600) = 4e-4 rad.
         assert phase.sigma == pytest.approx(75.0 * fit["drive_frequency"].sigma, rel=0.05)
-    # Of 20 normal numbers the root mean square has the deviation 0.16.
+    # Of 10 normal numbers the root mean square has the deviation 0.22.
     assert 0.5 < np.sqrt(np.mean(np.square(misses))) < 1.55
 
 
 def test_without_a_horizontal_motion_the_drive_is_harmonic_and_the_fit_says_so():
     seen = 0
-    for seed in range(20):
+    for seed in range(10):
         table = planar_table(with_across(0.0), seed=seed, duration=8.0)
         fit = fit_drive(table, stages=1, profile=False)
         seen += not isinstance(fit.drive, ll.Harmonic)

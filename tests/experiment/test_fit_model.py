@@ -22,14 +22,12 @@ def near(result, **truths):
         assert abs(result[name].value - truth) < 4.0 * result[name].sigma, (name, str(result[name]))
 
 
-@pytest.mark.parametrize("correlation", [0.0, 0.7])
-def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot(correlation):
+def test_a_driven_pendulum_is_found_within_its_sigma_with_the_measured_pivot():
     guess = ll.Pendulum(length=0.35, mass=0.108, damping=0.004)
     misses = []
     for seed in range(8):
-        table = motion_table(
-            PENDULUM, SLOW, initial_angle=0.3, seed=seed, correlation=correlation, duration=6.0
-        )
+        noise = {"seed": seed, "correlation": (0.0, 0.7)[seed % 2]}
+        table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=6.0, **noise)
         fit = fit_model(table, guess)
         truths = {"length": 0.363, "damping": 0.00274}
         misses += [(fit[name].value - x) / fit[name].sigma for name, x in truths.items()]
@@ -120,9 +118,9 @@ def test_parameters_of_the_drive_and_the_direction_of_gravity_may_vary():
 
 def test_chaotic_motion_is_cut_into_pieces():
     wild = ll.Harmonic(drive_amplitude=0.2, drive_frequency=9.0)
-    table = motion_table(PENDULUM, wild, initial_angle=1.5, duration=25.0)
+    table = motion_table(PENDULUM, wild, initial_angle=1.5, duration=12.0)
     fit = fit_model(table, PENDULUM, wild)
-    assert fit.dataset.attrs["windows"] >= 1
+    assert fit.dataset.attrs["windows"] > 1
     assert fit.dataset.attrs["scatter"] < 2e-3
     near(fit, length=0.363)
 

@@ -106,7 +106,7 @@ def test_a_toy_that_comes_to_rest_is_found_and_followed_to_the_end(tmp_path):
     toy = ll.LatoLato(length=0.245, mass=0.108, radius=0.02, restitution=0.4, damping=0.003)
     drive = ll.Harmonic(drive_amplitude=0.01, drive_frequency=16.0)
     run = ll.simulate(toy, drive, initial_angle=1.2, duration=3.0)
-    camera = Camera(width=480, height=360, fps=60.0)
+    camera = Camera(width=400, height=300, fps=60.0)
     truth = synthesise_video(run, tmp_path / "toy.mp4", Scene(), camera, seed=2)
     with pytest.warns(RuntimeWarning, match="found in the video"):
         table = ll.track(tmp_path / "toy.mp4", balls=2, length=0.245)

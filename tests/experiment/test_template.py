@@ -15,7 +15,7 @@ from latolato.experiment.tracking.positions import Positions
 CLIPS = {
     "square": {},
     "ring": {"texture": 12.0, "label": True},
-    "bottle": {"hand": True},
+    "bottle": {"hand": True, "seconds": 1.6},
 }
 
 
@@ -27,7 +27,7 @@ def filmed(tmp_path_factory):
     @cache
     def get(name):
         path = folder / f"{name}.mp4"
-        return path, bobs.write_clip(path, bobs.SHAPES[name], seconds=1.6, **CLIPS[name])
+        return path, bobs.write_clip(path, bobs.SHAPES[name], **{"seconds": 1.2, **CLIPS[name]})
 
     return get
 

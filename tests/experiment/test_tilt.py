@@ -25,7 +25,7 @@ def film(tmp_path_factory):
     folder = tmp_path_factory.mktemp("tilt")
 
     def get(yaw, angle, drive=None, **known):
-        run = ll.simulate(SWING, drive, initial_angle=angle, duration=2.5)
+        run = ll.simulate(SWING, drive, initial_angle=angle, duration=1.6)
         path = folder / "clip.mp4"
         camera = Camera(width=SIZE[0], height=SIZE[1], yaw=yaw, roll=0.05)
         truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=3)

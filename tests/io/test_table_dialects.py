@@ -194,7 +194,7 @@ def check_table(rows, dialect):
     dialect=THOUSANDS,
 )
 @hypothesis.given(rows=tables(), dialect=dialects())
-@hypothesis.settings(max_examples=400, deadline=None, derandomize=True)
+@hypothesis.settings(max_examples=200, deadline=None, derandomize=True)
 def test_numbers_are_those_written_or_the_table_is_refused(rows, dialect):
     check_table(rows, dialect)
 
