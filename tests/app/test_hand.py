@@ -160,14 +160,6 @@ def test_a_tab_in_the_background_pauses_the_toy_and_says_so(page):
     page.get_by_text("was paused while its tab was in the background").wait_for()
 
 
-def test_all_speeds_move_the_toy(page):
-    open_held(page)
-    for speed in ("10", "0.1"):
-        page.locator(".transport").get_by_label("Speed").select_option(speed)
-        time = of_toy(page, "time")
-        page.wait_for_function("t => window.latolato.views.toy.hand.toy.time > t + 0.02", arg=time)
-
-
 def test_a_toy_that_does_not_come_says_why(page, watch):
     page.route("**/one.wasm", lambda route: route.fulfill(status=404, body="gone"))
     page.goto("/?view=toy&toy.hand=1")
@@ -177,13 +169,6 @@ def test_a_toy_that_does_not_come_says_why(page, watch):
     page.get_by_role("link", name="Toy").click()
     page.wait_for_selector("[data-ready]", timeout=PATIENCE)
     watch.faults[:] = [fault for fault in watch.faults if "404" not in fault]
-
-
-def test_a_motion_that_cannot_be_followed_begins_again(page):
-    open_held(page)
-    page.evaluate("() => window.latolato.views.toy.hand.toy.push(1e9)")
-    page.get_by_text("The toy restarts").wait_for()
-    wait_for_toy(page, "toy.time > 0.1")
 
 
 @pytest.mark.parametrize(

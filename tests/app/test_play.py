@@ -112,32 +112,6 @@ def test_numbers_that_would_lag_behind_the_picture_are_not_shown(page):
         assert [float(each) for each in legend] == pytest.approx(angles, abs=0.06)  # four digits
 
 
-@pytest.mark.parametrize("scenario", ["fig04a_push", "ballpair_asymmetric", "fig02"])
-def test_balls_are_drawn_where_the_run_has_them(page, scenario):
-    open_play(page, f"&scenario={scenario}&duration=6%20s")
-    for share in (0.0, 0.31, 0.77):
-        found = page.evaluate(
-            """async share => {
-              const player = window.latolato.views.toy.player;
-              player.clock.seek(share * player.clock.end);
-              const { motion, scene } = player;
-              const time = player.clock.time;
-              const drawn = scene.drawn;
-              const wanted = motion.balls.map(ball => ({
-                angle: ball.sign * motion.at("angle", time, ball.row), length: ball.length }));
-              const height = motion.at("pivot_height", time);
-              return { drawn, wanted, height, scale: scene.scale() };
-            }""",
-            share,
-        )
-        scale = found["scale"]
-        for drawn, ball in zip(found["drawn"], found["wanted"], strict=True):
-            length, angle = ball["length"], ball["angle"]
-            x = scale["x"] + scale["size"] * length * math.sin(angle)
-            y = scale["y"] - scale["size"] * (found["height"] - length * math.cos(angle))
-            assert math.hypot(drawn["x"] - x, drawn["y"] - y) < 2.0
-
-
 # Reads the canvas of a curve: for some columns the rows in which a colour is seen.
 READ_CURVE = """({ chart, series }) => {
   const { plot, curves } = window.latolato.views.toy.player.curves.charts[chart];

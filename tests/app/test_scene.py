@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 
 import numpy as np
@@ -54,11 +55,12 @@ ENDS = """(() => {
 })()"""
 
 
-@pytest.mark.parametrize("width", [390, 1366])
-def test_nothing_of_the_motion_is_outside_of_the_canvas(page, width):
-    page.set_viewport_size({"width": width, "height": 768})
-    for name in PRESETS:
-        open_play(page, f"&scenario={name}")
+def test_nothing_of_the_motion_is_outside_of_the_canvas(page):
+    for name, width in itertools.product(PRESETS, (390, 1366)):
+        if width == 390:
+            open_play(page, f"&scenario={name}")
+        page.set_viewport_size({"width": width, "height": 768})
+        page.wait_for_function("(width) => innerWidth === width", arg=width)
         reach = page.evaluate(
             """async () => {
               const { handBox } = await import("/js/player/pivot.js");
@@ -311,15 +313,14 @@ PICTURE = """async ({ title, width }) => {
 }"""
 
 
-@pytest.mark.parametrize("width", [390, 1366])
-def test_a_picture_of_the_stage_has_its_balls_and_a_caption(page, width):
-    page.set_viewport_size({"width": width, "height": 768})
+def test_a_picture_of_the_stage_has_its_balls_and_a_caption(page):
     open_play(page, "&scenario=toy")
     of_scene(page, "clock.seek(2.34)")
     grounds = set()
-    for scheme in ("light", "dark"):
+    for width, scheme in itertools.product((390, 1366), ("light", "dark")):
+        page.set_viewport_size({"width": width, "height": 768})
         page.emulate_media(color_scheme=scheme)
-        page.wait_for_timeout(100)
+        page.wait_for_timeout(100)  # size and theme are applied, and drawn
         found = page.evaluate(PICTURE, {"title": "The toy in the hand " * 4, "width": width})
         assert found["type"] == "image/png"
         assert found["width"] == found["wanted"]
