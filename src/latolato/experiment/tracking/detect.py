@@ -215,7 +215,7 @@ def _blobs(
     if colour is not None:
         low, high = colour - _SAME_COLOUR * _WEIGHTS, colour + _SAME_COLOUR * _WEIGHTS
         mask = cv2.bitwise_and(mask, cv2.inRange(picture, low, high))
-    # Where anything differs: labels of a whole picture take ten times longer.
+    # Where anything differs: labels of a whole picture take nine times longer.
     left, top, width, height = cv2.boundingRect(mask)
     if width == 0:
         return Blobs.of([], shrink)
@@ -273,7 +273,7 @@ def _split(
 
 
 def _ranked(values: np.ndarray, share: float) -> Any:
-    """Return a quantile along the first axis; numpy's own takes ten times longer for so few."""
+    """Return a quantile along the first axis; numpy is slower for so few values."""
     at = share * (len(values) - 1)
     low, high = np.sort(values, axis=0)[[math.floor(at), math.ceil(at)]].astype(float)
     return low + (at % 1.0) * (high - low)
