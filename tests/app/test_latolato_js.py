@@ -67,6 +67,8 @@ RUNS = [
     {**PAIR, "initial_angle": "20 deg, -15 deg"}, {**PENDULUM, "quadratic_damping": 0.1},
     {**PENDULUM, "coulomb_damping": 0.05}, {**TOY, **SCHEDULE, "duration": 0.7},
     {**PENDULUM, **HARMONIC, "drive_frequency": 40, "tolerance": 1e-2},
+    {**PENDULUM, "noise_strength": 0.1, "noise_seed": 3}, {**PAIR, "noise_strength": 0.1},
+    {**TOY, "noise_strength": 0.1, "noise_stream": 7, "noise_interval": "20 ms"},
     {**PENDULUM, "gravity": "0.5 g_0"}, {**PENDULUM, "duration": "0.023435 min"},
     {**PENDULUM, "length": "1.1 metres", "duration": "2 seconds"}, {**PENDULUM, "times": 1.5},
     {**PENDULUM, **FAST, **STRING}, {**TOY, **FAST, **STRING, **HARMONIC, "drive_frequency": 9},
@@ -95,7 +97,8 @@ WRONG = [
         {"samples": 1.5}, {"samples": 10**9}, {"samples": "1000000000"}, {"frame": "a\\b\n\t'\""},
         {"length": [None, 1]}, {"mass": [[1], [2]]}, {"length": "1 gs"},
         {"samples": 3, "times": [0, 1]}, {"rest_speed": -1},
-        {"contact_limit": 0}, {"contact_limit": 2.5},
+        {"noise_strength": -1}, {"noise_seed": 1}, {"noise_strength": 1, "noise_seed": 0.5},
+        {"noise_strength": 1, "noise_seed": -1}, {"contact_limit": 0}, {"contact_limit": 2.5},
         {"damping": "3 m"},
         {"initial_angle": "20 deg, 3"}, {"drive": "harmonik"}, {"contact": "clamp"},
         {**HARMONIC, "drive_amplitude": -1}, {**HARMONIC, "frequency_ratio": 2},
@@ -142,7 +145,6 @@ WRONG = [
     without(PAIR, "right_mass"), without(PAIR, "right_mass", "right_length", "right_radius"),
 ]  # fmt: skip
 PRESETS = list(registry()["scenarios"])
-KICKED = {"scenario": "fig02", "options": {"noise_strength": 0.1}}
 
 
 @pytest.fixture(scope="module")
@@ -161,7 +163,6 @@ def answers(site, tmp_path_factory):
         *({"scenario": name, "options": {}} for name in [*PRESETS, "nope"]),
         {"scenario": "fig04a_clamp", "options": {"contact": "exact"}},
         {"scenario": "fig12", "options": {"length": 0.3}},
-        KICKED,
     ]
     program = Path(__file__).with_name("latolato_in_node.mjs")
     read = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
@@ -171,7 +172,7 @@ def answers(site, tmp_path_factory):
 
 def test_runs_and_refusals_are_those_of_python(answers):
     wrong = []
-    for name, options, answer in answers[:-1]:
+    for name, options, answer in answers:
         try:
             with warnings.catch_warnings(record=True) as caught:
                 warnings.simplefilter("always")
@@ -189,13 +190,6 @@ def test_runs_and_refusals_are_those_of_python(answers):
     assert not wrong
 
 
-def test_random_kicks_are_left_to_the_program(answers):
-    _, _, answer = answers[-1]
-    assert answer["error"] == (
-        "random kicks (noise_strength) are computed by the installed program, not in a page"
-    )
-
-
 def test_all_presets_and_cases_are_asked(answers):
-    assert len(answers) == len(RUNS + WRONG + CHANGED + PRESETS) + 4
+    assert len(answers) == len(RUNS + WRONG + CHANGED + PRESETS) + 3
     assert sum("error" in answer for _, _, answer in answers) >= len(WRONG)

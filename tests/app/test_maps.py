@@ -56,6 +56,10 @@ KINDS = {
     ),
     "start": over("fig02", "initial_angle", "initial_angular_velocity", 5.0),
     "two balls": over("ballpair_asymmetric", "right_mass", ("initial_angle_left", -0.3, 0.1)),
+    "kicks of two": over(
+        "ballpair_asymmetric", "restitution", ("noise_interval", 0.01, 0.05),
+        options={"noise_strength": 0.02},
+    ),
     "ratios": over("fig09", "drive_frequency", "amplitude_ratio", 5.0, transient=0.0),
     "clamp": over(
         "toy", "frequency_ratio", ("drive_acceleration_ratio", 0.1, 2.0),
@@ -70,6 +74,10 @@ KINDS = {
         "ballpair_asymmetric", "left_mass", ("initial_angular_velocity_left", 0.0, 1.0), 5.0,
         observable="lyapunov_exponent",
     ),
+    "noise": over(
+        "toy", ("noise_seed", 0, 6), "noise_strength", options={"noise_strength": 0.02}
+    ),
+    "kicks": over("toy", "damping", "mass", options={"noise_strength": 0.02}),
     "crank": over(
         "crank_slider", ("connecting_rod_length", 0.01, 0.2), ("drive_amplitude", 0.0, 0.1)
     ),
@@ -178,7 +186,7 @@ def test_every_picture_has_more_points_and_steps_are_counted_before(shown):
         assert page["points"] == sorted(set(page["points"]))
         assert page["points"][-1] == WIDTH * HEIGHT
     # Of small maps, the points are counted one by one.
-    for name in ("fig05_push", "two balls", "pair"):
+    for name in ("fig05_push", "two balls", "noise", "pair"):
         plan = scenario_of(shown[name]["tables"]).plan()
         batch = make_batch(plan, np.arange(plan.size))
         steps = plan.duration / batch.points.settings["step"][batch.valid]
@@ -206,7 +214,7 @@ def test_variables_are_called_what_datasets_call_them(shown):
 
 @pytest.mark.parametrize(
     "name",
-    ["fig05_push", "fig11", "two balls", "clamp", "crank", "chirp", "schedule",
+    ["fig05_push", "fig11", "two balls", "noise", "clamp", "crank", "chirp", "schedule",
      "slack_fraction", "two strings", "sideways"],
 )  # fmt: skip
 def test_a_table_of_the_page_opens_as_the_sweep(name, shown, tmp_path):
@@ -234,7 +242,7 @@ def test_exponents_fit_no_table(shown):
 
 @pytest.mark.parametrize(
     "name",
-    ["fig05_push", "fig09", "two balls", "clamp", "crank", "two strings", "sideways"],
+    ["fig05_push", "fig09", "two balls", "noise", "clamp", "crank", "two strings", "sideways"],
 )
 def test_the_lines_on_show_compute_the_same_map(name, shown):
     about, wanted = shown[name]["about"], sweep_of(scenario_of(shown[name]["tables"]))
@@ -251,7 +259,7 @@ def test_the_lines_on_show_compute_the_same_map(name, shown):
 
 
 POINTS = [
-    "fig05_push", "offset", "start", "two balls", "ratios", "chirp",
+    "fig05_push", "offset", "start", "two balls", "ratios", "noise", "kicks", "chirp",
     "strings", "two strings", "sideways",
 ]  # fmt: skip
 
@@ -299,8 +307,8 @@ def test_the_run_of_a_point_is_what_its_cell_says():
          "both axes show the driving over natural frequency: choose another one"),
         ({"y": {"name": "drive_frequency", "low": 0.0, "high": 2.0}},
          "set the same thing: choose another axis"),
-        ({"options": {"noise_strength": 0.01}},
-         "random kicks (noise_strength) are computed by the installed program, not in a page"),
+        ({"x": {"name": "noise_seed", "low": 0, "high": 1}, "options": {"noise_strength": 0.01}},
+         "noise_seed must be a whole number, got 0.3"),
         ({"options": CHIRP, "observable": "response_period"},
          "a chirp drive has no single period that a stroboscope could follow"),
         ({"options": {"contact": "clamp"}, "observable": "lyapunov_exponent"},
@@ -372,6 +380,7 @@ def test_what_may_be_chosen_stands_once_with_a_description():
     ]  # fmt: skip
     axes = {each["name"] for each in page["choices"]["axes"]}
     assert {"length", "frequency_ratio", "initial_angle"} <= axes
+    assert "noise_strength" not in axes
 
 
 def test_what_belongs_to_strings_is_offered_for_strings_only():

@@ -329,7 +329,7 @@ def test_a_run_that_pages_cannot_compute_has_no_knobs_and_says_why(cell):
     drive = ll.MeasuredPivot(times=np.linspace(0.0, 2.0, 50), pivot_heights=heights)
     pendulum = ll.Pendulum(length=1.0, mass=0.5)
     show(cell, ll.play(ll.simulate(pendulum, drive, initial_angle=0.3, duration=2.0)))
-    cell.get_by_text("pages do not have “measured_pivot”").wait_for()
+    cell.get_by_text("pages do not have its law “measured_pivot”").wait_for()
     assert cell.locator(".knobs").count() == 0
     cell.get_by_role("button", name="Play", exact=True).wait_for()
 

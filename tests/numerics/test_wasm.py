@@ -415,14 +415,20 @@ FROM_PARAMETERS = {
     "compression": (SWEEPS["walls"][0], 0.4, ("compression_fraction",)),
     "crank": (SWEEPS["walls"][0], 0.4, ("lyapunov_exponent",)),
     "clamp": (SWEEPS["walls"][0], 0.4, ()),
+    "noise": (SWEEPS["walls"][0], 0.4, ()),
     "mirrored pair": (PAIR, (0.4, -0.4), ("transverse_exponent",)),
     "unlike pair": (UNLIKE, (0.4, -0.3), ("lyapunov_spectrum", "compression_fraction")),
+    # Elastic: bounces that come to rest add up roundings, see `CASCADE`.
+    "pair with noise": (dataclasses.replace(PAIR, restitution=1.0), (0.4, -0.4), ()),
 }
 CRANK = ll.CrankSlider(drive_amplitude=0.02, drive_frequency=9.0, connecting_rod_length=0.5)
+NOISE = ll.VelocityKicks(noise_strength=0.05, noise_seed=3)
 # Short where motion soon becomes chaotic.
 HOW = {
     "clamp": {"contact": ll.ClampContact(clamp_step=1e-3)},
+    "noise": {"noise": NOISE, "duration": 6.0},
     "unlike pair": {"duration": 10.0},
+    "pair with noise": {"noise": dataclasses.replace(NOISE, noise_interval=0.07), "duration": 5.0},
 }
 
 
@@ -463,6 +469,18 @@ def test_maps_agree_from_their_parameters_on(name):
         assert size[regular].max() <= OBSERVED, variable
 
 
+def test_noise_has_the_random_numbers_of_numpy():
+    seeds = [(0, 0), (2**63 - 1, 2**53 - 1), (12345, 7)]
+    arrays = {f"{seed} {stream}": np.zeros(100_000) for seed, stream in seeds}
+    (result,) = in_node([Case({"module": "one", "normals": True}, arrays, arrays)])
+    for seed, stream in seeds:
+        key = np.array([seed, stream], dtype=np.uint64)
+        expected = np.random.Generator(np.random.Philox(key=key)).standard_normal(100_000)
+        assert np.abs(expected).max() > 4.0  # from the tail of the ziggurat too
+        # The layers' widths come of one another, by 255 roundings.
+        np.testing.assert_allclose(result[f"{seed} {stream}"], expected, rtol=0, atol=1e-13)
+
+
 REFUSED = {
     "no observable is called largest": {"observables": [{"name": "largest"}]},
     "no observable is called toString": {"observables": [{"name": "toString"}]},
@@ -475,6 +493,10 @@ REFUSED = {
     },
     "belongs to systems of 2 angles": {"observables": [{"name": "transverse_exponent"}]},
     "module for this map is two": {"angles": 2},
+    "make noise_interval longer": {
+        "noise": {"noise_strength": 0.1, "noise_interval": 1e-9},
+        "parameters": {"gravity": 9.8, "balls.0.length": 1.0, "balls.0.mass": 1.0, "tolerance": 1},
+    },
     "is_nonsmooth is found out": {"parameters": {"is_nonsmooth": 1}},
     "collides must be 0 or 1": {"parameters": {"collides": 0.5}},
     "knows no walls": {"parameters": {"collides": 1, "is_linear": 1}},

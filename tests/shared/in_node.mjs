@@ -5,6 +5,7 @@ import { join } from "node:path";
 import { begin, shake } from "../../src/latolato/app/static/js/kernels/begin.js";
 import { Kernels } from "../../src/latolato/app/static/js/kernels/memory.js";
 import { computeMap } from "../../src/latolato/app/static/js/kernels/map.js";
+import { normals } from "../../src/latolato/app/static/js/kernels/noise.js";
 import { runPoints } from "../../src/latolato/app/static/js/kernels/points.js";
 import { integrate, observe } from "../../src/latolato/app/static/js/kernels/run.js";
 
@@ -118,12 +119,22 @@ function map(kernels, arrays, { question }) {
   const start = performance.now();
   const { status, problems, values } = computeMap(kernels, { ...question, ...columns("question"),
     parameters: { ...question.parameters, ...columns("parameter") },
-    drive: { ...question.drive, parameters: columns("drive") } });
+    drive: { ...question.drive, parameters: columns("drive") },
+    noise: question.noise ?? (columns("noise").noise_strength && columns("noise")) });
   const seconds = (performance.now() - start) / 1e3;
   return [{ seconds, problems: [...problems] }, () => {
     give("status", bytesOf(Float64Array.from(status)));
     for (const [name, numbers] of Object.entries(values)) give(name, bytesOf(numbers));
   }];
+}
+
+/** Draw random numbers into arrays that are called by their keys. */
+function normalNumbers(kernels, arrays) {
+  const drawn = arrays.map(({ name, shape }) => {
+    const next = normals(name.split(" ").map(BigInt));
+    return [name, Float64Array.from({ length: shape[0] }, next)];
+  });
+  return [{ seconds: 0 }, () => drawn.forEach(([name, numbers]) => give(name, bytesOf(numbers)))];
 }
 
 const known = {};
@@ -134,7 +145,8 @@ for (const { module, repeats, arrays, ...options } of JSON.parse(
   const first = kernels.take("f8", 1);
   let least = Infinity;
   for (let i = 1; i <= repeats; i += 1) {
-    const [about, giveAll] = options.question ? map(kernels, arrays, options)
+    const [about, giveAll] = options.normals ? normalNumbers(kernels, arrays)
+      : options.question ? map(kernels, arrays, options)
       : (options.how ? run : points)(kernels, held(kernels, arrays), options);
     least = Math.min(least, about.seconds);
     if (i === repeats) {

@@ -21,7 +21,7 @@ import numpy as np
 
 import latolato as ll
 from latolato.app import STATIC
-from latolato.core.registry import describe
+from latolato.core.registry import describe, number_fields
 from latolato.numerics import integrate, records, run_record
 from latolato.numerics.abi import digest_of_sources
 from latolato.numerics.batch import Progress
@@ -230,6 +230,12 @@ def map_case(plan: Plan, expected: dict[str, Any], variant: str = "") -> Case:
         if path not in own and not np.isnan(column).any()
     }
     kind = next(name for name, kind in WRITTEN.items() if type(plan.drive) is kind)
+    noises = [points._noise(plan, columns, k) for k in range(plan.size)]
+    noise = {
+        field.name: np.array([getattr(each, field.name) for each in noises], dtype=np.float64)
+        for field in (number_fields(plan.noise) if plan.noise else ())
+        if getattr(noises[0], field.name) is not None
+    }
     question = {
         "count": plan.size,
         "angles": plan.system.angles,
@@ -249,6 +255,7 @@ def map_case(plan: Plan, expected: dict[str, Any], variant: str = "") -> Case:
     arrays = {
         **{f"parameter:{path}": c.copy() for path, c in floats.items() if path != "duration"},
         **{f"drive:{name}": columns[name] for name in named},
+        **{f"noise:{name}": column for name, column in noise.items()},
         "question:transient": points.transient_of(plan, columns),
         "question:period": points._drive_period(columns),
     }

@@ -79,6 +79,7 @@ def _registry() -> dict[str, Any]:
         "options": {name: shown_option(o) for name, o in law_options().items()},
         "quantities": {name: _quantity(q) for name, q in QUANTITIES.items()},
         "axes": _axes(),
+        "noise_axes": [p.name for p in _varied(Pendulum, FixedPivot, "noise")],
         "observables": {name: _observable(law) for name, law in observables.items()},
         "default_observables": DEFAULT_OBSERVABLES,
         "sweep_tolerance": Plan.tolerance,

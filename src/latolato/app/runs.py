@@ -1,4 +1,4 @@
-"""Runs that pages leave to the program: with laws of your own, a measured pivot or random kicks.
+"""Runs that pages leave to the program: those with laws of your own or a measured pivot.
 
 A page computes all others itself, in `static/js/model`. That code also describes the balls and the
 drive's periods: `tests/app/test_runs.py` compares both.

@@ -162,6 +162,10 @@ RULES = {
     "axis_needed": Rule(
         "{name} is needed [rad], as a value or an axis (a LatoLato also accepts initial_offset)"
     ),
+    "streams": Rule(
+        "{count} points need as many streams from {first} on, but streams lie in [0, 2^53): begin "
+        "with a smaller one"
+    ),
     "single_period": Rule("a {name} drive has no single period that a stroboscope could follow"),
     "exact_contact": Rule(
         "{name} needs exact contact: a clamped motion depends on its step, so small perturbations "
@@ -204,9 +208,6 @@ RULES = {
     ),
     "law_beyond_page": Rule(
         "the {parameter} law {name} is computed by the installed program, not in a page"
-    ),
-    "kicks_beyond_page": Rule(
-        "random kicks ({parameter}) are computed by the installed program, not in a page"
     ),
     "beyond_notebook": Rule(
         "players in notebooks leave out the code for {parameter} {name}, to stay small",

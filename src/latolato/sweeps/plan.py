@@ -320,10 +320,7 @@ def make_plan(
             way_out="take fewer values along an axis, or split the map",
         )
     if noise is not None and plan.own_streams and noise.noise_stream + plan.size not in STREAMS:
-        raise InputError(
-            f"{plan.size} points need as many streams from {noise.noise_stream} on, but streams "
-            "lie in [0, 2^53): begin with a smaller one"
-        )
+        raise broken_rule("streams", {"count": plan.size, "first": noise.noise_stream})
     for name, values in _start_angles(plan).items():
         warn_of_degrees(name, values, stacklevel=3)
     return plan if chunk_size is not None else replace(plan, chunk_size=_usual_chunk_size(plan))

@@ -69,6 +69,10 @@ test("a map begins with the points that it shares with those before", () => {
   assert.deepEqual(again(1 + 1e-9), [2, 3, 4]);
   assert.deepEqual(again(0.5), []);
   assert.deepEqual(again(0, { length: 1 }), []);
+  // Kicks are those of a cell's number.
+  known.add(old, plan(old, { noise_strength: 1 }));
+  assert.deepEqual(again(0, { noise_strength: 1 }), [1, 2, 3, 4]);
+  assert.deepEqual(again(1, { noise_strength: 1 }), []);
 });
 
 test("a map moves by whole cells inside of what is allowed", () => {

@@ -115,10 +115,9 @@ class Controls {
  * @param {Registry} registry
  * @param {Record<string, any>} options of the run
  */
-function lawBeyondPage({ systems, drives, contact_laws: laws }, { system, drive, contact = "exact", noise_strength }) {
+function lawBeyondPage({ systems, drives, contact_laws: laws }, { system, drive, contact = "exact" }) {
   const all = [...Object.keys(systems), ...Object.keys(drives), ...Object.keys(laws)];
-  return [system, drive, contact, ...(noise_strength === undefined ? [] : ["VelocityKicks"])]
-    .find((name) => !all.includes(name));
+  return [system, drive, contact].find((name) => !all.includes(name));
 }
 
 /**

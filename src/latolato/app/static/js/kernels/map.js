@@ -2,6 +2,7 @@
 
 import { ABSENT, problemAt, shakeAll } from "./begin.js";
 import { moduleFor } from "./load.js";
+import { drawKicks } from "./noise.js";
 import { runPoints } from "./points.js";
 
 /**
@@ -20,6 +21,8 @@ import { runPoints } from "./points.js";
  *   `balls.0.mass`; others are zero, an offset and bounds of the drive not given. `is_linear`,
  *   `meets` (whether there are walls) and other whole numbers are the same for all points.
  * @property {{kind: string, parameters: Record<string, SweepColumn | number[]>}} drive
+ * @property {{noise_strength: SweepColumn, noise_seed?: SweepColumn, noise_stream?: SweepColumn,
+ *   noise_interval?: SweepColumn}} [noise] velocity kicks; without an interval 50 in a natural period
  * @property {"exact" | "clamp"} [contact] the law of contacts, exact if it is left out
  * @property {{name: string, parameters?: Record<string, number>}[]} observables only those that look
  *   at no drive periods take other parameters than the usual ones
@@ -134,7 +137,7 @@ function prepared(kernels, question) {
     problems: held });
   const { numbers, step } = kernels.column(held, "number");
   const problems = Uint8Array.from({ length: count }, (_, k) => Number(numbers[k * step]));
-  const in_lanes = angles === 1 && !question.in_plane && !isNonsmooth && contact !== "clamp"
+  const in_lanes = angles === 1 && !question.in_plane && !question.noise && !isNonsmooth && contact !== "clamp"
     && layout.drives.some(({ name, rotates }) => name === drive.kind && rotates) && !needs.has("compression");
   const points = { settings, bodies, segments, firsts, stops, contact_limit };
   return { points, states, problems, held, observers, slots, needs, isNonsmooth, in_lanes };
@@ -163,11 +166,8 @@ function computed(kernels, question) {
     const { kicks, drifts, nodes } = layout.steppers[isNonsmooth ? "nonsmooth" : "smooth"];
     const stepper = { kicks: kernels.copy(kicks), drifts: kernels.copy(drifts),
       nodes: kernels.copy(nodes) };
-    // Pages draw no random kicks.
-    const noKicks = { kick_times: kernels.take("f8", 0), kick_sizes: kernels.take("f8", angles, 0),
-      kick_firsts: kernels.take("i8", question.count + 1) };
     /** @type {import("./points.js").Points} */
-    const all = { order, points: { ...points, ...noKicks }, progress,
+    const all = { order, points: { ...points, ...kicksOf(kernels, question, problems) }, progress,
       stepper, slots, is_linear: Boolean(is_linear),
       engine: question.contact === "clamp" ? "clamp" : "engine" };
     runPoints(kernels, all, layout.occasions.map((name) => callbacksFor(observers, name)), in_lanes ? {
@@ -187,7 +187,7 @@ function computed(kernels, question) {
  * @param {MapPoints} question
  */
 function check(kernels, question) {
-  const { count, parameters, drive, transient = 0, period = 0 } = question;
+  const { count, parameters, drive, noise, transient = 0, period = 0 } = question;
   if (kernels.name !== moduleOf(question)) throw new Error(`the module for this map is ${moduleOf(question)}`);
   for (const name of OWN) {
     if (name in parameters) throw new Error(`${name} is found out from the other parameters`);
@@ -199,7 +199,7 @@ function check(kernels, question) {
   if (parameters.is_linear && parameters.collides) {
     throw new Error("the linear restoring law knows no walls");
   }
-  const columns = { ...parameters, ...drive.parameters, transient, period };
+  const columns = { ...parameters, ...drive.parameters, ...noise, transient, period };
   for (const [name, column] of Object.entries(columns)) {
     if (column instanceof Float64Array && column.length !== count) {
       throw new Error(`${name} must have ${count} numbers, one for each point, got ${column.length}`);
@@ -252,6 +252,43 @@ function observersOf(kernels, names, angles) {
 function callbacksFor(observers, occasion) {
   return observers.filter(({ about }) => occasion in about.callbacks)
     .map(({ about, first }) => [first, about.callbacks[occasion]]);
+}
+
+/**
+ * Return the kicks of all points one after the other, and where those of each begin.
+ * @param {Kernels} kernels
+ * @param {MapPoints} question
+ * @param {Uint8Array} problems
+ */
+function kicksOf(kernels, { count, angles = 1, parameters, noise, duration }, problems) {
+  const kick_firsts = kernels.take("i8", count + 1);
+  const firsts = [0];
+  /** @type {{times: Float64Array, sizes: Float64Array}[]} */
+  const drawn = [];
+  for (let k = 0; k < count; k += 1) {
+    if (noise && !problems[k]) {
+      const own = Object.entries(noise).map(([name, column]) => [name, at(column, k)]);
+      const [gravity, length] = ["gravity", "balls.0.length"].map((name) => at(parameters[name], k));
+      drawn.push(drawKicks(/** @type {any} */ (Object.fromEntries(own)),
+        { duration, natural_frequency: Math.sqrt(gravity / length), angles }));
+    } else {
+      drawn.push({ times: new Float64Array(0), sizes: new Float64Array(0) });
+    }
+    firsts.push(firsts[k] + drawn[k].times.length);
+  }
+  const kick_times = kernels.take("f8", firsts[count]);
+  const kick_sizes = kernels.take("f8", angles, firsts[count]);
+  kernels.numbers(kick_firsts).set(firsts.map(BigInt));
+  const all = kernels.numbers(kick_times);
+  const rows = kernels.numbers(kick_sizes);
+  drawn.forEach(({ times, sizes }, k) => {
+    all.set(times, firsts[k]);
+    for (let i = 0; i < angles; i += 1) {
+      const row = sizes.subarray(i * times.length, (i + 1) * times.length);
+      rows.set(row, i * firsts[count] + firsts[k]);
+    }
+  });
+  return { kick_times, kick_sizes, kick_firsts };
 }
 
 /**

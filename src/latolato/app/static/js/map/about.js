@@ -85,6 +85,9 @@ export function optionsOfCell({ registry, options, x, y, duration }, cell) {
   /** @type {Options} */
   const base = { ...options, duration, tolerance: registry.sweep_tolerance };
   for (const name of ["times", "samples"]) delete base[name];
+  // The kicks of a cell are those of its own random stream, unless an axis says which.
+  if (base.noise_strength !== undefined && ![x.name, y.name].some((name) => /^noise_(seed|stream)$/.test(name)))
+    base.noise_stream = (base.noise_stream ?? 0) + cell;
   return optionsAt(registry, base, { [x.name]: x.values[cell % width],
     [y.name]: y.values[Math.floor(cell / width)] });
 }

@@ -32,7 +32,7 @@ import { t } from "../strings.js";
 const LOG_SPAN = 0.01;
 // Amplitudes reach to this share of the length where nothing else is known.
 const AMPLITUDES = 0.5;
-const OWNERS = ["system", "drive", "run"];
+const OWNERS = ["system", "drive", "noise", "run"];
 // What goes to the right, and which parameters are the axes where nothing else is known.
 const FREQUENCIES = ["frequency_ratio", "drive_frequency"];
 const FIRST = ["drive_amplitude", "vertical_amplitude", "frequency_ratio", "initial_angle",
@@ -47,8 +47,9 @@ export const isOfStrings = (name) => /^(string_restitution|initial_distance)/.te
  * @param {Record<string, any>} options
  * @returns {string[]}
  */
-export function variedBy({ systems, drives, axes }, options) {
-  const own = [...systems[options.system].axes ?? [], ...drives[options.drive].axes ?? []]
+export function variedBy({ systems, drives, axes, noise_axes: noise }, options) {
+  const own = [...systems[options.system].axes ?? [], ...drives[options.drive].axes ?? [],
+    ...(options.noise_strength === undefined ? [] : noise)]
     .filter((name) => options.suspension === "string" || !isOfStrings(name));
   return own.sort((a, b) => OWNERS.indexOf(axes[a].owner) - OWNERS.indexOf(axes[b].owner));
 }

@@ -21,7 +21,8 @@ export class KnownMaps {
    * @param {import("./plan.js").Plan} plan
    */
   add(grid, { x, y, ...others }) {
-    const key = JSON.stringify([others, x.name, y.name]);
+    // Kicks are those of a cell's number, which a map with other axes counts otherwise.
+    const key = JSON.stringify([others, "noise_strength" in others.parameters ? [x, y] : [x.name, y.name]]);
     for (const other of this.maps) if (other.key === key) takeOver(grid, other.grid);
     this.maps = [{ key, grid }, ...this.maps].slice(0, MOST_MAPS);
   }

@@ -11,8 +11,8 @@
  * @property {1 | 2} [angles] of the state, 1 if it is left out
  * @property {boolean} [in_plane] whether any point needs the engine for motions in the plane
  * @property {string} drive its kind, such as `harmonic`
- * @property {Record<string, number | number[]>} parameters of the system, the drive and the start
- *   by the names that axes of sweeps have, such as `length`, `left_mass`,
+ * @property {Record<string, number | number[]>} parameters of the system, the drive, the start and
+ *   the noise by the names that axes of sweeps have, such as `length`, `left_mass`,
  *   `initial_angle_right` or `frequency_ratio`; `tolerance`, `rest_speed`, `meets` and other fields
  *   of the record `case`
  * @property {PlanAxis} x
@@ -71,19 +71,25 @@ export function inOrder(width, height) {
  * @returns {MapPoints}
  */
 export function pointsOf(layout, plan, cells) {
-  const { angles = 1, in_plane, drive, observables, duration, contact, contact_limit } = plan;
+  const { angles = 1, in_plane, drive, x, y, observables, duration, contact, contact_limit } = plan;
   const count = cells.length;
   const columns = columnsOf(plan, cells);
   /** @type {Record<string, any>} */
   const parameters = {};
   /** @type {Record<string, any>} */
   const shaken = {};
+  /** @type {Record<string, any>} */
+  const noise = {};
   const isOfDrive = new Set(layout.bundles.shaking.map(({ name }) => name));
   for (const [name, column] of Object.entries(columns)) {
     const path = pathOf(layout, name, angles);
     if (path) parameters[path] = column;
     else if (isOfDrive.has(`drive.${name}`)) shaken[name] = column;
+    else if (name.startsWith("noise_")) noise[name] = column;
     else throw new Error(`no map has the parameter ${name}`);
+  }
+  if ("noise_strength" in noise && ![x, y].some(({ name }) => /^noise_(seed|stream)$/.test(name))) {
+    noise.noise_stream = Float64Array.from(cells, (cell) => (noise.noise_stream ?? 0) + cell);
   }
   const { drive_frequency = 0 } = columns;
   const period = each(count, [drive_frequency], (frequency) => (2 * Math.PI) / frequency);
@@ -91,6 +97,7 @@ export function pointsOf(layout, plan, cells) {
   const swing = [columns[angles === 1 ? "length" : "right_length"], columns.gravity];
   return { count, angles, in_plane, parameters, drive: { kind: drive, parameters: shaken }, observables,
     duration, contact, contact_limit, period, impossible: impossibleOf(layout, plan, columns, count),
+    noise: "noise_strength" in noise ? /** @type {any} */ (noise) : undefined,
     transient: each(count, [period, ...swing], (one, length, gravity) => transient
       + transient_periods * (Number.isFinite(one) ? one : 2 * Math.PI * Math.sqrt(length / gravity))) };
 }

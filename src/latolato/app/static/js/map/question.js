@@ -3,7 +3,7 @@
 import { problemOf } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { resolvedOf } from "../model/run_block.js";
-import { checkNoKicks, checkPerturbations, checkStrings, contactOf, numbersFor, offsetOf } from "../model/case.js";
+import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutAlternatives, withoutRatios } from "../model/options.js";
 import { brokenRule, checkedNumber, general, InputError, refusal, unknown } from "../model/rules.js";
@@ -31,6 +31,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
  */
 
 const MOST_CELLS = 250_000;
+const MOST_STREAMS = 2 ** 53;
 const USUAL_DURATION = 60; // s
 const SIDES = ["_right", "_left"];
 const START = ["initial_angle", "initial_angular_velocity", "initial_distance"];
@@ -60,10 +61,10 @@ export async function questionOf(registry, layout, request) {
   const usual = kind === gentle.drive ? withoutAlternatives(registry, gentle, Object.keys(input)) : {};
   const named = kind === "fixed_pivot" ? { ...input, ...gentle } : { ...usual, ...input };
   const parts = partsOf(registry, named);
-  checkNoKicks(parts.noise);
   withoutRatios(registry, named.drive, parts.drive, system.naturalFrequency);
   const drive = driveOf(registry, named.drive, parts.drive);
   const law = contactOf(registry, system, parts.run);
+  const noise = noiseOf(registry, parts.noise);
   const options = resolvedOf(/** @type {any} */ ({ registry, options: named, system, drive }));
   const { duration, transient, periods } = timesOf(registry, layout, request, options, sweep);
   const origin = { options, sweep };
@@ -77,6 +78,8 @@ export async function questionOf(registry, layout, request) {
       checkPerturbations(system.suspension,
         Math.max(...friction, ...system.balls.map((ball) => ball.coulomb_damping)), shown);
   checkWatched(registry, layout, watched, drive.kind, law.contact);
+  if (noise && (noise.noise_stream ?? 0) + count > MOST_STREAMS)
+    throw brokenRule("streams", {}, { count, first: Number(noise.noise_stream) });
   const number = (/** @type {string} */ name) =>
     checkedNumber(registry.options[name], name, options[name] ?? registry.options[name].default);
   const own = registry.systems[system.kind].options.filter((name) => typeof options[name] === "number");
@@ -89,7 +92,7 @@ export async function questionOf(registry, layout, request) {
     angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
     parameters: { ...Object.fromEntries(Object.entries({
       ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
-      ...startOf(registry, system, options, [x.name, y.name]) }).filter(isFixed)), restitution: system.restitution,
+      ...startOf(registry, system, options, [x.name, y.name]) }).filter(isFixed)), ...noise, restitution: system.restitution,
       string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
@@ -101,6 +104,9 @@ export async function questionOf(registry, layout, request) {
     contact: /** @type {"exact" | "clamp"} */ (law.clampStep ? "clamp" : "exact"),
     contact_limit: number("contact_limit"),
   };
+  for (const { name, values } of [y, x])
+    if (registry.options[name]?.whole)
+      for (const value of values) checkedNumber(registry.options[name], name, value);
   return { registry, layout, request, options, title: preset?.title ?? "", x, y, watched, shown, choices,
     duration, transient, periods, plan };
 }

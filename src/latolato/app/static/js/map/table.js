@@ -77,7 +77,7 @@ function attributesOf({ registry, options, x, y, duration, transient, periods })
  * @param {MapQuestion} question
  */
 function described({ registry, options, plan, watched, duration, transient, periods }) {
-  const { system, drive } = tablesOfRun(registry, options);
+  const { system, drive, noise } = tablesOfRun(registry, options);
   const { parameters, x, y } = plan;
   const start = Object.fromEntries(Object.entries(parameters).filter(([name]) => name.startsWith("initial_")));
   return {
@@ -86,7 +86,7 @@ function described({ registry, options, plan, watched, duration, transient, peri
     observables: watched.map(({ name, parameters: own }) => ({ kind: name, ...own })),
     contact: { kind: options.contact ?? "exact",
       ...(parameters.step ? { clamp_step: parameters.step } : {}) },
-    noise: null, duration, transient, transient_periods: periods,
+    noise: noise ?? null, duration, transient, transient_periods: periods,
     tolerance: parameters.tolerance, rest_speed: parameters.rest_speed, contact_limit: plan.contact_limit,
     continuation: "", direction: "up", chunk_size: Math.max(x.values.length * y.values.length, 1),
   };

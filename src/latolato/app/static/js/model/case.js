@@ -17,7 +17,9 @@ import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, refusal, unk
  * @typedef {{registry: Registry, kernels: Kernels, options: Record<string, any>, system: System,
  *   drive: Drive, contact: string, clampStep: number, tolerance: number, restSpeed: number,
  *   contactLimit: number, frame: string, angles: number[], velocities: number[], distances: number[],
- *   offset: number | null, times: Float64Array | null, duration: number}} Case
+ *   offset: number | null, times: Float64Array | null, duration: number, noise: Noise | null}} Case
+ * @typedef {{noise_strength: number, noise_seed?: number, noise_stream?: number,
+ *   noise_interval?: number}} Noise
  */
 
 /**
@@ -43,22 +45,28 @@ export async function specify(registry, request) {
     throw brokenRule("beyond_notebook", { parameter: planar }, { name: String(options[planar]) });
   const kernels = await loadKernels(moduleFor(registry.systems[kind].angles, planar !== null));
   const parts = partsOf(registry, options);
-  checkNoKicks(parts.noise);
   const system = systemOf(registry, kernels, kind, parts.system);
   withoutRatios(registry, drive, parts.drive, system.naturalFrequency);
   const moved = driveOf(registry, drive, parts.drive);
   checkAcross(registry, system, moved);
   const law = contactOf(registry, system, parts.run);
-  return checkedRun(registry, kernels, options, system, moved, law, parts.run);
+  const noise = noiseOf(registry, parts.noise);
+  return { ...checkedRun(registry, kernels, options, system, moved, law, parts.run), noise };
 }
 
 /**
- * Throw for random kicks, whose numbers only the installed program draws.
- * @param {Record<string, any>} noise options of the kicks
+ * Return the random kicks of a run, null without any.
+ * @param {Registry} registry
+ * @param {Record<string, any>} noise
  */
-export function checkNoKicks(noise) {
-  const [name] = Object.keys(noise);
-  if (name) throw new BeyondPageError("kicks_beyond_page", name);
+export function noiseOf(registry, noise) {
+  if (!Object.keys(noise).length) return null;
+  const strength = registry.options.noise_strength;
+  if (noise.noise_strength === undefined)
+    throw brokenRule("needed", { parameter: "noise_strength" },
+      { law: "VelocityKicks", unit: ` [${strength.unit}]` });
+  return /** @type {Noise} */ (Object.fromEntries(Object.entries(noise).map(([name, value]) =>
+    [name, checkedNumber(registry.options[name], name, value)])));
 }
 
 /**
@@ -107,7 +115,7 @@ export function contactOf(registry, system, run) {
  * @param {Drive} drive
  * @param {{contact: string, clampStep: number}} law
  * @param {Record<string, any>} run
- * @returns {Case}
+ * @returns {Omit<Case, "noise">}
  */
 function checkedRun(registry, kernels, options, system, drive, law, run) {
   const usual = (/** @type {string} */ name) => run[name] ?? registry.options[name].default;
@@ -127,7 +135,7 @@ function checkedRun(registry, kernels, options, system, drive, law, run) {
 
 /**
  * Return the fields of the kernel's record of a case.
- * @param {Case} each
+ * @param {Omit<Case, "noise">} each
  * @param {number} step 0 for the one that the tolerance asks for
  */
 export function recordOf(each, step) {
@@ -145,7 +153,7 @@ export function recordOf(each, step) {
 
 /**
  * Throw unless a run can begin as it is to.
- * @param {Case} each
+ * @param {Omit<Case, "noise">} each
  */
 function checkStart(each) {
   const { kernels, drive, offset } = each;

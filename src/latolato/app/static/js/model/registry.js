@@ -42,7 +42,7 @@
  * @typedef {{version: string, format: number, systems: Record<string, Law>, drives: Record<string, DriveLaw>,
  *   contact_laws: Record<string, Law>, options: Record<string, Option>,
  *   quantities: Record<string, {unit: string, symbol: string, label: string, shown_unit: string}>,
- *   axes: Record<string, Varied>, observables: Record<string, Observable>,
+ *   axes: Record<string, Varied>, noise_axes: string[], observables: Record<string, Observable>,
  *   default_observables: string[], sweep_tolerance: number, scenarios: Record<string, Preset>,
  *   ratios: Record<string, string>, alternatives: string[][], rules: Record<string, import("./rules.js").Rule>,
  *   trials: {columns: Record<string, string | null>, weak_angle: number, strong_angle: number},

@@ -107,9 +107,9 @@ export class BeyondPageError extends InputError {
   /**
    * @param {string} rule
    * @param {string} parameter
-   * @param {string} [name] of what pages do not have
+   * @param {string} name of what pages do not have
    */
-  constructor(rule, parameter, name = "") {
+  constructor(rule, parameter, name) {
     super(sentenceOf(rule, { name }), { parameter });
   }
 }

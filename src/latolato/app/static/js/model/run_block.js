@@ -89,7 +89,7 @@ function attributesOf(run, options) {
  * Return all options of a case, in SI units, with those of its laws that have a default.
  * @param {Case} each
  */
-export function resolvedOf({ registry, options, system, drive }) {
+export function resolvedOf({ registry, options, system, drive, noise }) {
   /** @type {Record<string, any>} */
   const resolved = { ...options, system: system.kind, drive: drive.kind };
   for (const [ratio, name] of Object.entries(registry.ratios)) {
@@ -97,7 +97,9 @@ export function resolvedOf({ registry, options, system, drive }) {
     delete resolved[ratio];
     resolved[name] = drive.parameters[registry.options[name].path[0]];
   }
-  const known = [...registry.systems[system.kind].options, ...registry.drives[drive.kind].options];
+  const ofNoise = Object.keys(registry.options).filter((name) => registry.options[name].owner === "noise");
+  const known = [...registry.systems[system.kind].options, ...registry.drives[drive.kind].options,
+    ...(noise ? ofNoise : [])];
   for (const name of known) {
     resolved[name] ??= registry.options[name].default;
     if (registry.options[name].is_later && resolved[name] === registry.options[name].default)

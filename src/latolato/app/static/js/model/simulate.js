@@ -1,6 +1,7 @@
 /** One run from its parameters to its columns, as `latolato.simulate`. */
 
 import { begin, problemOf, shake } from "../kernels/begin.js";
+import { drawKicks } from "../kernels/noise.js";
 import { integrate, observe } from "../kernels/run.js";
 import { evenly, recordOf } from "./case.js";
 import { brokenRule, refusal, sentenceOf } from "./rules.js";
@@ -64,8 +65,12 @@ function carried(each, mostSamples, stretch) {
   const times = each.times ?? usualTimes(each, begin(kernels, recordOf(each, 0), segments).driveRate,
     mostSamples);
   const instants = stretch ? thinned(times, stretch) : times;
-  const inputs = { segments, times: kernels.copy(instants), kick_times: kernels.copy([]),
-    kick_sizes: kernels.take("f8", system.angles, 0) };
+  const kicks = each.noise ? drawKicks(each.noise, { duration, angles: system.angles,
+    natural_frequency: system.naturalFrequency }) : { times: [], sizes: [] };
+  const kick_sizes = kernels.take("f8", system.angles, kicks.times.length);
+  kernels.numbers(kick_sizes).set(kicks.sizes);
+  const inputs = { segments, times: kernels.copy(instants), kick_times: kernels.copy(kicks.times),
+    kick_sizes };
   const how = { balls: system.angles, duration, contact_limit: each.contactLimit,
     engine: each.clampStep ? "clamp" : "engine" };
   let step = 0;
@@ -158,8 +163,9 @@ function finished(each, time, prepared, result, halvings, isLoose) {
   });
   columns.total_energy = ofBalls.map((i) => sum(columns.kinetic_energy[i], columns.potential_energy[i]));
   for (const name of LEDGER) {
-    if (name === "noise_work" || (name === "retension_loss" && !isString)) continue;
-    columns[name] = rows(result.samples, [layout.sample_rows[name]]);
+    if ((name === "noise_work" && !each.noise) || (name === "retension_loss" && !isString)) continue;
+    const [values] = rows(result.samples, [layout.sample_rows[name]]);
+    if (name !== "noise_work" || values.some((/** @type {number} */ value) => Math.abs(value) > 0)) columns[name] = [values];
   }
   const { times: contactTimes, kinds, values } = result.contacts;
   const status = statusOf(each, result);

@@ -152,7 +152,7 @@ export function quantity(name, block, angle = NaN) {
  * @returns {Promise<Block>}
  */
 export async function withPeriod(registry, request, block) {
-  const { system, drive, contact, clampStep, restSpeed, contactLimit, duration, angles, velocities,
+  const { system, drive, noise, contact, clampStep, restSpeed, contactLimit, duration, angles, velocities,
     distances } = await specify(registry, request);
   if (!registry.drives[drive.kind].periodic) return block;
   const { angles: _, ...fields } = fieldsOf(system);
@@ -163,7 +163,7 @@ export async function withPeriod(registry, request, block) {
   const kind = { angles: /** @type {1 | 2} */ (system.angles), in_plane: planarOption(registry,
     { ...system, drive: drive.kind, ...drive.parameters }) !== null };
   const { values } = computeMap(await loadKernels(moduleOf(kind)), {
-    ...kind, count: 1, drive: /** @type {any} */ (drive),
+    ...kind, count: 1, drive: /** @type {any} */ (drive), noise: noise ?? undefined,
     parameters: { ...fields, ...Object.fromEntries(start), tolerance: registry.sweep_tolerance,
       rest_speed: restSpeed, step: clampStep, collides: Number(system.contacts && contact !== "none") },
     observables: [{ name: "response_period" }], contact: clampStep ? "clamp" : "exact",
