@@ -33,7 +33,8 @@ def test_every_view_has_the_same_tools_at_its_top_right(page):
         assert place.get_by_label("Link to this view").input_value() == page.url
         # Only a stage and a map can be saved as a picture.
         has_picture = name in ("toy", "map")
-        assert place.get_by_role("button", name="Save the picture").is_visible() is has_picture
+        picture = place.get_by_role("button", name="Save the picture")
+        picture.wait_for(state="visible" if has_picture else "hidden")
         page.keyboard.press("Escape")
     page.go_back()
     page.get_by_role("heading", level=1, name=TITLES["analyse"]).wait_for()
