@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from latolato.io.tables.source import SourceTable
 
 
-OPTIONS = options_of(import_table, without=("path",))
+OPTIONS = options_of(import_table, without=("path", "notes"))
 
 
 @with_options(OPTIONS.values())

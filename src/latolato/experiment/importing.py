@@ -89,6 +89,7 @@ def import_table(
     angle_from: Literal["down", "right"] = "down",
     y_axis: Literal["up", "down"] = "up",
     angle_sigma: Annotated[float | None, "rad"] = None,
+    notes: list[str] | None = None,
 ) -> xr.Dataset:
     """Return a track table from a file of another program.
 
@@ -127,6 +128,8 @@ def import_table(
         Direction in which the file's y increases.
     angle_sigma : float, optional
         Standard deviation of the angles [rad], if the file has none.
+    notes : list of str, optional
+        Is extended by the sentences on what had to be assumed, as pages translate them.
 
     Returns
     -------
@@ -149,28 +152,6 @@ def import_table(
     -----
     Positions in pixels give angles only, since nothing says how long a pixel is.
     """
-    table, _ = imported(
-        path, columns, section=section, decimal=decimal, frame_rate=frame_rate, length=length,
-        radius=radius, pivot=pivot, angle_from=angle_from, y_axis=y_axis, angle_sigma=angle_sigma,
-    )  # fmt: skip
-    return table
-
-
-def imported(
-    path: str | Path,
-    columns: Mapping[str, str] | None = None,
-    *,
-    section: str | None = None,
-    decimal: str | None = None,
-    frame_rate: float | None = None,
-    length: float | None = None,
-    radius: float | None = None,
-    pivot: Sequence[float] | None = None,
-    angle_from: str = "down",
-    y_axis: str = "up",
-    angle_sigma: float | None = None,
-) -> tuple[xr.Dataset, list[str]]:
-    """Return what `import_table` returns, and the sentences on what had to be assumed."""
     path = Path(path)
     checked_choice("angle_from", angle_from, ("down", "right"))
     checked_choice("y_axis", y_axis, ("up", "down"))
@@ -222,7 +203,9 @@ def imported(
             attributes["length"] = checked_number("length", length, POSITIVE, "m")
         if radius is not None:
             attributes["radius"] = checked_number("radius", radius, NON_NEGATIVE, "m")
-        return track_table(series, attributes), asked.notes
+        if notes is not None:
+            notes += asked.notes
+        return track_table(series, attributes)
 
 
 def read_measured(path: str | Path, columns: Mapping[str, str] | None = None) -> xr.Dataset:

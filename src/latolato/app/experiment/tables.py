@@ -12,7 +12,7 @@ from latolato.app.experiment.description import Description
 from latolato.core.errors import InputError, reading
 from latolato.core.registry import suggest
 from latolato.experiment.importing import (
-    imported,
+    import_table,
     is_track_file,
     parts_of,
     proposed_columns,
@@ -154,6 +154,7 @@ def track_table_of(job: Mapping[str, Any], choices: Import | None) -> tuple[xr.D
     if choices is None:
         # Uploads have no suffix, by which formats are known.
         return read_table(shutil.copyfile(path, path.with_name("own.csv"))), []
-    table, notes = imported(path, choices.columns, **choices.arguments)
+    notes: list[str] = []
+    table = import_table(path, choices.columns, notes=notes, **choices.arguments)
     table.attrs["source"] = job["name"]
     return table, notes
