@@ -247,6 +247,9 @@ class Film:
             extra[f"covered_{i + 1}"] = hidden
             u, v = projection.in_picture(x[0], y[0])
             clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
+        if renderer.scene.is_parked:
+            u, v = projection.in_picture(renderer.scene.parked_x, renderer.scene.parked_y)
+            clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
         attributes = {
             **{
                 k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"
