@@ -58,8 +58,6 @@ _SMALL = 2.0
 _SLOW = 7
 # They are smeared by less than this share of the radius, or these are the slowest of them.
 _SHARP, _FEW = 0.2, 3
-# How far beyond their route balls may be, besides some radii, as a share of the arm.
-_SWEPT = 0.1
 # Radius of the smallest disc [pixels].
 _SMALLEST = 1.0
 # How clear a disc about a click must be, as a share of the clearest one.
@@ -167,12 +165,9 @@ def learn_image_model(
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
     high = np.ceil(pivots.max(axis=0) + margin).astype(int)
-    # No ball is found where the background is unknown: it is kept where they go only.
-    swept = np.concatenate([centres, route.places[np.isfinite(route.places[..., 0])]])
-    about = _SWEPT * arm + 4.0 * size
+    # No ball is found where the background is unknown.
     first, beyond = video.bounds
-    low = np.maximum(low, np.maximum(first, np.floor(swept.min(axis=0) - about).astype(int)))
-    high = np.minimum(high, np.minimum(beyond, np.ceil(swept.max(axis=0) + about).astype(int)))
+    low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
     for k, centre in shots:
