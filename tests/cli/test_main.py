@@ -544,7 +544,7 @@ def test_an_unknown_command_is_answered_with_the_closest_one(capsys, typed, answ
 )
 def test_options_of_measuring_commands_are_those_of_the_functions_they_call(command, function):
     printed = run(command, "--help").stdout
-    options = options_of(function, without=(*LAWS, "sources", "path", "run"))
+    options = options_of(function, without=(*LAWS, "sources", "path", "run", "notes"))
     # How often a comparison computes depends on its kind.
     for name in options.keys() - ({"draws", "seed"} if command == "compare" else set()):
         assert re.search(rf"{options[name].flag} +(VALUE|<int>|U,V)", printed), name
