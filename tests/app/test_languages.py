@@ -26,6 +26,9 @@ from latolato.app.forms import registry
 from latolato.core.rules import RULES
 from latolato.experiment.fits.result import quantity_of
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
+from latolato.io.tables.cells import DELIMITER_NAMES
+from latolato.io.tables.kinds import KINDS
+from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
 
 NODE = Path(sys.executable).parent / "node"
@@ -40,6 +43,9 @@ TOLD = ("title", "summary", "text", "question", "answer", "label")
 WORDS = (
     "contact", "contact law", "drag_frame 'lab'", "drive", "got", "observable", "option",
     "parameter", "strings", "system", "value",
+    # of the largest videos, and of tables
+    "s", "pixels", "frames", "bytes", "table", "tables",
+    *(kind.name for kind in KINDS), *DELIMITER_NAMES.values(),
 )  # fmt: skip
 # Numbers that fits give, and columns that they need.
 NUMBERS = (
@@ -146,7 +152,7 @@ def sentences_of_rules() -> dict[str, dict[str, str]]:
     """Return the sentences of all rules that pages know, by the names of the rules."""
     problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
     tables: tuple[Mapping[str, Any], ...] = (
-        RULES, OF_ANALYSES, OF_MEASUREMENTS, FINDINGS, problems,
+        RULES, OF_ANALYSES, OF_MEASUREMENTS, OF_TABLES, FINDINGS, problems,
     )  # fmt: skip
     names = [name for table in tables for name in table]
     assert len(set(names)) == len(names)

@@ -9,11 +9,13 @@ import pytest
 from latolato.core.errors import InputError, Word, in_parts, joined
 from latolato.core.rules import RULES, broken_rule, sentence
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
+from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
 
 SENTENCES = {
     **RULES,
     **OF_MEASUREMENTS,
+    **OF_TABLES,
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
 

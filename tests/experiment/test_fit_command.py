@@ -111,7 +111,7 @@ def test_a_preview_shows_what_was_recognised_and_writes_nothing(tmp_path, capsys
     path.write_text("\tright ball\t\t\nt\tx\ty\t\n0.0\t0.125\t-0.3\n0.1\t0.12\t-0.31\n")
     assert main(["import", str(path), "--preview"]) == 0
     out = capsys.readouterr().out
-    assert out.startswith("Tracker export, one track: right ball\nutf-8, tabs\n")
+    assert out.startswith("Tracker export, 1 track: right ball\nutf-8, tabs\n")
     assert "2 right ball/x [m]: 0.125, 0.12 ..." in out
     assert main(["import", str(path), "--preview", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["kind"] == "Tracker export"

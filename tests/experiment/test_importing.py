@@ -119,9 +119,7 @@ def test_two_tracks_are_two_balls_and_a_pivot_without_naming_columns(tmp_path):
     table = import_table(written(tmp_path, head + body, "pair.txt"))
     assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-7)
     assert table.angle_2.values == pytest.approx(-ANGLE, abs=1e-7)
-    assert table.attrs["recognised"] == (
-        "Tracker export, three tracks: left ball, right ball, pivot"
-    )
+    assert table.attrs["recognised"] == ("Tracker export, 3 tracks: left ball, right ball, pivot")
     assert "ball_1_x = right ball/x [m]" in table.attrs["imported"]
     assert "'t' is in [s], from the kind of file (Tracker export)" in table.attrs["assumed"]
 
@@ -231,10 +229,10 @@ def test_places_that_stand_for_a_lost_ball_are_no_measurements(tmp_path, mark):
 
 def test_columns_of_the_same_kind_are_not_chosen_by_their_order(tmp_path):
     path = written(tmp_path, "t [s],angle [deg],theta [rad]\n0,1,2\n1,2,3\n")
-    with pytest.raises(ll.InputError, match=r"2 columns may be angle_1: 2 \(angle \[deg\]\) and 3"):
+    with pytest.raises(ll.InputError, match=r"2 columns may be angle_1: 2 \(angle \[deg\]\), 3"):
         import_table(path)
     path = written(tmp_path, "time,t [s],t [s],theta [rad]\n9:13:00,0,5,2\n9:13:01,1,6,3\n")
-    with pytest.raises(ll.InputError, match=r"2 columns may be time: 2 .* and 3"):
+    with pytest.raises(ll.InputError, match=r"2 columns may be time: 2 .*, 3"):
         import_table(path)
     table = import_table(path, {"time": "3", "angle_1": "theta"})
     assert table.time.values.tolist() == [5.0, 6.0]

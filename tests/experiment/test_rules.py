@@ -1,4 +1,4 @@
-"""Sentences of measurements: each is said somewhere, with what stands in its gaps."""
+"""Sentences of measurements and tables: each is said somewhere, with what stands in its gaps."""
 
 import ast
 import re
@@ -8,24 +8,28 @@ import pytest
 
 import latolato
 from latolato.experiment.rules import RULES
+from latolato.io.tables.rules import RULES as OF_TABLES
 
 FOLDER = Path(latolato.__file__).parent
-TREES = [
-    ast.parse(path.read_text("utf-8"))
-    for part in ("experiment", "app/experiment")
-    for path in (FOLDER / part).rglob("*.py")
-    if path.name != "rules.py"
-]
-NODES = [node for tree in TREES for node in ast.walk(tree)]
+
+
+def nodes_of(*folders):
+    paths = [path for part in folders for path in (FOLDER / part).rglob("*.py")]
+    trees = [ast.parse(path.read_text("utf-8")) for path in paths if path.name != "rules.py"]
+    return [node for tree in trees for node in ast.walk(tree)]
+
+
+# Rules, and the code that says them.
+TABLES = {
+    "experiment": (RULES, nodes_of("experiment", "app/experiment")),
+    "tables": (OF_TABLES, nodes_of("io/tables")),
+}
 CALLS = [
-    node
-    for node in NODES
+    (rules, node)
+    for rules, nodes in TABLES.values()
+    for node in nodes
     if isinstance(node, ast.Call) and getattr(node.func, "id", "") in ("said", "broken")
 ]
-
-
-def gaps_of(name):
-    return set(re.findall(r"\{(\w+)", " ".join(RULES[name])))
 
 
 def names_in(node):
@@ -47,21 +51,24 @@ def values_of(call):
     return None if None in names else set(names)
 
 
-@pytest.mark.parametrize("call", CALLS, ids=lambda call: ast.unparse(call)[:60])
-def test_a_call_names_a_rule_and_fills_its_gaps(call):
+@pytest.mark.parametrize("rules, call", CALLS, ids=[ast.unparse(call)[:60] for _, call in CALLS])
+def test_a_call_names_a_rule_and_fills_its_gaps(rules, call):
     for name in names_in(call.args[0]):
-        assert name in RULES
+        assert name in rules
         if (values := values_of(call)) is not None:
-            assert values >= gaps_of(name)
+            gaps = set(re.findall(r"\{(\w+)", " ".join(rules[name])))
+            assert values >= gaps - {"parameter"}
 
 
-def test_every_rule_is_said():
-    texts = [node.value for node in NODES if isinstance(node, ast.Constant)]
+@pytest.mark.parametrize("table", TABLES)
+def test_every_rule_is_said(table):
+    rules, nodes = TABLES[table]
+    texts = [node.value for node in nodes if isinstance(node, ast.Constant)]
     # Names such as f"unsteady_{which}".
     begun = tuple(
         node.values[0].value
-        for node in NODES
+        for node in nodes
         if isinstance(node, ast.JoinedStr) and isinstance(node.values[0], ast.Constant)
         if str(node.values[0].value).endswith("_")
     )
-    assert [name for name in RULES if name not in texts and not name.startswith(begun)] == []
+    assert [name for name in rules if name not in texts and not name.startswith(begun)] == []

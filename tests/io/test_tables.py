@@ -73,32 +73,32 @@ def numbers(section):
     [
         (
             TRACKER,
-            "Tracker export, one track: pendulum A",
+            "Tracker export, 1 track: pendulum A",
             "t [s], pendulum A/x [m], pendulum A/y [m]",
         ),
         (
             TWO_TRACKS,
-            "Tracker export, two tracks: right ball, left ball",
+            "Tracker export, 2 tracks: right ball, left ball",
             "t [s], right ball/x [m], right ball/y [m], left ball/x [m], left ball/y [m]",
         ),
-        (OLD_TRACKER, "Tracker export, one track: cm_A", "t [s], cm_A/x [m], cm_A/y [m]"),
+        (OLD_TRACKER, "Tracker export, 1 track: cm_A", "t [s], cm_A/x [m], cm_A/y [m]"),
         (
             COMMA_TRACKER,
-            "Tracker export, one track: mass A",
+            "Tracker export, 1 track: mass A",
             "t [s], frame, mass A/x [m], mass A/y [m]",
         ),
         (VERNIER, "Vernier text", "Time [s], Angle [rad]"),
-        (VERNIER_CSV, "Vernier table, one track: Latest", "Latest/Time [s], Latest/Angle [rad]"),
+        (VERNIER_CSV, "Vernier table, 1 track: Latest", "Latest/Time [s], Latest/Angle [rad]"),
         (
             DATA_SETS,
-            "Vernier table, two tracks: Data Set 1, Data Set 2",
+            "Vernier table, 2 tracks: Data Set 1, Data Set 2",
             "Data Set 1/Time [s], Data Set 1/Angle [rad], Data Set 2/Time [s], "
             "Data Set 2/Angle [rad]",
         ),
         (LABCHART.format(43), "LabChart export", "Time [s], Angle [deg], Pivot [mm]"),
         (
             CAPSTONE,
-            "Capstone export, two tracks: Run #1, Run #2",
+            "Capstone export, 2 tracks: Run #1, Run #2",
             "Run #1/Time [s], Run #1/Angle [rad], Run #2/Time [s], Run #2/Angle [rad]",
         ),
         (
@@ -152,7 +152,7 @@ def test_names_of_several_header_lines_are_all_known():
 def test_sections_below_each_other_keep_titles_columns_and_lines():
     later = KINOVEA.replace("0 412", "99 412").replace("33.4 431", "120.5 431")
     found = source(later)
-    assert found.about == "Kinovea export, two sections: Trajectory 1, My left ball"
+    assert found.about == "Kinovea export, 2 sections: Trajectory 1, My left ball"
     assert [section.lines.tolist() for section in found.sections] == [[5, 6], [9, 10]]
     assert numbers(found.section("My left ball")) == {
         "T": [99.0, 120.5],
@@ -170,7 +170,7 @@ def test_sections_below_each_other_keep_titles_columns_and_lines():
 
 def test_objects_filmed_together_stand_side_by_side():
     found = source(KINOVEA.replace("33.4 431", "66.7 431"))
-    assert found.about == "Kinovea export, two tracks: Trajectory 1, My left ball"
+    assert found.about == "Kinovea export, 2 tracks: Trajectory 1, My left ball"
     assert found.delimiter == "blanks"
     nan = np.nan
     expected = {
@@ -192,7 +192,7 @@ def test_objects_filmed_together_stand_side_by_side():
     # Also if one begins where the other ends; a spot of no track is left out.
     found = source(f"{head}ID1{spots}{others.replace('0.0,0', '0.5,0').replace('3,1.25', ',1.25')}")
     assert numbers(found.section())["track 3/POSITION_X"][-1] == 1.5
-    assert found.notes == ("one row without 'TRACK_ID' left out",)
+    assert found.notes == ("1 row without 'TRACK_ID' left out",)
     with pytest.raises(InputError, match=r"track 3 has a second row for 0\.04 in line 9"):
         source(f"{head}ID1{spots}{others}ID7,7,3,1.5,2.5,0.04,1\n")
 
@@ -559,7 +559,7 @@ def test_a_missing_reader_of_spreadsheets_says_what_to_install(monkeypatch):
 
 def test_the_result_is_plain_values_for_a_page():
     shown = json.loads(json.dumps(source(TWO_TRACKS).to_dict(rows=1)))
-    assert shown["about"] == "Tracker export, two tracks: right ball, left ball"
+    assert shown["about"] == "Tracker export, 2 tracks: right ball, left ball"
     (section,) = shown["sections"]
     assert section["tracks"] == ["right ball", "left ball"]
     assert (section["rows"], section["first_line"], section["last_line"]) == (2, 4, 5)

@@ -15,14 +15,14 @@ from numpy.typing import NDArray
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, checked_number, suggest
-from latolato.experiment.rules import said
+from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import column_names, read_table, track_table
 from latolato.io.tables.clocks import seconds_of
+from latolato.io.tables.rules import broken as broken_table
 from latolato.io.tables.source import (
     Section,
     SourceColumn,
     SourceTable,
-    counted,
     listed,
     read_source,
 )
@@ -160,7 +160,7 @@ def import_table(
     source = read_source(path, decimal=decimal)
     with reading(path):
         if columns is None and is_track_file(path):
-            raise InputError("it is a track table already", way_out="use it as it is")
+            raise broken("own_table")
         part = _chosen(source, section)
         if columns is None:
             columns = usual_columns(part, has_rate=frame_rate is not None)
@@ -265,10 +265,8 @@ def _chosen(source: SourceTable, name: str | None) -> Section:
         return source.section(name)
     runs = first.tracks
     if name not in runs:
-        raise InputError(
-            f"it has no section '{name}'",
-            way_out=suggest(str(name), runs) if runs else "leave it out: the file is one table",
-        )
+        way_out = suggest(str(name), runs) if runs else said("one_table")
+        raise broken_table("no_section", {"name": name}, way_out=way_out)
     return _of_run(first, name)
 
 
@@ -382,15 +380,13 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     """
     runs = _runs(section)
     if len(runs) > 1:
-        raise InputError(
-            f"it holds {len(runs)} runs beside each other: {listed(runs)}",
-            way_out=f"choose one, as in section = '{runs[0]}'",
-        )
+        values = {"count": len(runs), "names": listed(runs), "first": runs[0]}
+        raise broken("several_runs", values)
     _refuse_rivals(section, has_rate=has_rate)
     mapping = proposed_columns(section, has_rate=has_rate)
     has_time = "time" in mapping
     if not has_time and not has_rate and _times(section, has_rate=True):
-        raise InputError("it has frame numbers and no time", way_out="give frame_rate in 1/s")
+        raise broken("frames_only")
     clocks = [] if has_time else _times(section)
     if has_rate and clocks:
         # Times such as 0:00:03:12 need a frame rate too.
@@ -400,20 +396,15 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     has_time = has_rate or has_time
     balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
-        raise InputError(
-            f"it has {len(balls)} tracks: {listed(balls)}",
-            way_out=f"name the columns of one or two, as in ball_1_x = '{balls[0]}/x'",
-        )
+        values = {"count": len(balls), "names": listed(balls), "first": balls[0]}
+        raise broken("several_tracks", values)
     if not has_time or not balls:
         names = listed([column.path for column in section.columns])
         if not any(column.name for column in section.columns):
-            raise InputError(
-                f"it has no names above {counted(len(section.columns), 'column')}",
-                way_out="name them by position, as in time = '1 [s]'",
-            )
+            raise broken("no_headings", {"count": len(section.columns)})
         wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
         what = next(iter(wanted))
-        way_out = f"name it, as in {what} = 'NAME [{wanted[what]}]'"
+        named = {"target": what, "path": "NAME", "unit": wanted[what]}
         for column in section.columns:
             if _is_called(column, _USUAL[what.removesuffix("_1")]):
                 _refuse_without_numbers(section, column)
@@ -422,29 +413,22 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
             fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
             if fitting:
                 stated = fitting[0].unit or unit
-                way_out = f"name it, as in {target} = '{fitting[0].path} [{stated}]'"
+                named = {"target": target, "path": fitting[0].path, "unit": stated}
                 break
-        if not has_time:
-            way_out += "; if each row is a frame, give frame_rate in 1/s"
-        raise InputError(f"it is not clear which column is {what}; it has {names}", way_out=way_out)
+        rule = "unclear_angle" if has_time else "unclear_time"
+        raise broken(rule, {"names": names, **named})
     return mapping
 
 
 def _needless_rate(column: SourceColumn) -> InputError:
     """Return the error for a frame rate beside times."""
-    return InputError(
-        f"column {column.label} holds times, which need no frame rate",
-        way_out="leave out frame_rate",
-    )
+    return broken("needless_rate", {"column": column.label})
 
 
 def _refuse_without_numbers(section: Section, column: SourceColumn) -> None:
     """Raise for a column that holds no numbers."""
     if column.kind == "empty":
-        raise InputError(
-            f"column {column.label} holds no numbers",
-            way_out="save the file with the values of its formulas, or name another column",
-        )
+        raise broken("column_without_numbers", {"column": column.label})
     section.numbers([column])  # says which text it holds
 
 
@@ -454,11 +438,9 @@ def _refuse_rivals(section: Section, *, has_rate: bool) -> None:
     for (what, _), found in rivals.items():
         if len(found) > 1:
             target = {"time": "time", "angle": "angle_1"}.get(what, f"ball_1_{what}")
-            places = " and ".join(f"{c.position} ({c.written})" for c in found)
-            raise InputError(
-                f"{len(found)} columns may be {target}: {places}",
-                way_out=f"name one by its position, as in {target} = '{found[0].position}'",
-            )
+            places = ", ".join(f"{c.position} ({c.written})" for c in found)
+            values = {"count": len(found), "target": target, "places": places}
+            raise broken("rival_columns", {**values, "position": found[0].position})
 
 
 def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _Import:
@@ -473,18 +455,13 @@ def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _
         frames = _times(section, has_rate=True)
         mapping = {**mapping, "time": str(frames[0].position)} if frames else mapping
     elif "time" not in mapping:
-        raise InputError(
-            "which column is the time?",
-            way_out="name it, as in time = 't [s]', or give frame_rate if each row is a frame",
-        )
+        raise broken("which_time")
     known = [*TARGETS, _RATE]
     for target in mapping:
         if target not in known:
-            raise InputError(
-                f"a track table has no column '{target}'", way_out=suggest(target, known)
-            )
+            raise broken("no_target", {"name": target}, way_out=suggest(target, known))
     if _RATE in mapping and "angle_1" in mapping:
-        raise InputError(f"give angle_1 or {_RATE}, not both")
+        raise broken("angle_or_rate", {"rate": _RATE})
     columns = {name: section.column(text) for name, text in mapping.items()}
     asked = _Import(section, columns, section.lines)
     for column, unit in asked.columns.values():
@@ -500,10 +477,7 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
     if "time" not in asked.columns:
         others = np.flatnonzero(np.diff(lines) != 1)
         if others.size:
-            raise InputError(
-                f"rows cannot be counted as frames, since line {lines[others[0]] + 1} is no row",
-                way_out="add a column of frame numbers, or remove that line",
-            )
+            raise broken("split_frames", {"line": lines[others[0]] + 1})
         series["time"] = np.arange(len(lines), dtype=np.float64)
         asked.notes.append(said("rows_are_frames"))
     elif asked.columns["time"][0].kind == "texts":
@@ -521,9 +495,7 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
     has_more = np.any([np.isfinite(series[name]) for name in names if name != "time"], axis=0)
     lost = np.flatnonzero(has_more & ~has_time)
     if lost.size:
-        raise InputError(
-            f"the time is missing in line {lines[lost[0]]}", way_out="complete or remove that line"
-        )
+        raise broken("missing_time", {"line": lines[lost[0]]})
     if not has_time.all():
         count = int((~has_time).sum())
         rule = "empty_row" if count == 1 else "empty_rows"
@@ -533,12 +505,9 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
     falls = np.flatnonzero(np.diff(series["time"]) <= 0.0)
     if falls.size:
         at = int(falls[0])
-        raise InputError(
-            f"must increase strictly, above {series['time'][at]:g} in line {asked.lines[at + 1]}",
-            parameter="time",
-            value=float(series["time"][at + 1]),
-            way_out="sort the rows, remove repeats, or cut the file where a new run begins",
-        )
+        time, following = map(float, series["time"][at : at + 2])
+        place = {"time": time, "line": asked.lines[at + 1]}
+        raise broken("falling_time", place, parameter="time", value=following)
     _refuse_marks(asked)
     _refuse_lost_places(asked)
 
@@ -601,11 +570,8 @@ def _refuse_leaps(asked: _Import, written: Mapping[str, Floats]) -> None:
 
 def _no_measurement(asked: _Import, name: str, value: float, row: int) -> InputError:
     """Return the error for a number that cannot have been measured."""
-    return InputError(
-        f"line {asked.lines[row]} of column {asked.columns[name][0].label} holds {value:g}, which "
-        "is far from the other numbers",
-        way_out="leave the cell empty if the number is missing",
-    )
+    column = asked.columns[name][0].label
+    return broken("far_number", {"line": asked.lines[row], "column": column, "number": value})
 
 
 def _convert(asked: _Import, frame_rate: float | None) -> None:
@@ -620,26 +586,17 @@ def _convert(asked: _Import, frame_rate: float | None) -> None:
     elif frame_rate is not None:
         if column is not None:
             if unit not in ("", "1") or not is_whole:
-                raise InputError(
-                    f"column {column.label} holds no frame numbers, which a frame rate needs",
-                    way_out="name the column of frame numbers as time, or leave out frame_rate",
-                )
+                raise broken("rate_needs_frames", {"column": column.label})
             asked.notes.append(said("divided_frames", rate=frame_rate))
         series["frame"] = series["time"]
         series["time"] = series["time"] / frame_rate
     elif column is not None and (unit == "1" or (is_whole and _is_called(column, _FRAMES))):
-        raise InputError(
-            f"column {column.label} holds frame numbers, not times",
-            way_out="give frame_rate in 1/s",
-        )
+        raise broken("frames_need_rate", {"column": column.label})
     places = {name: unit == "px" for name, (_, unit) in asked.columns.items() if name in _PLACES}
     pixels = [name for name, is_pixels in places.items() if is_pixels]
     if pixels and len(pixels) < len(places):
         other = next(name for name in places if name not in pixels)
-        raise InputError(
-            f"{pixels[0]} is in pixels, but {other} is not",
-            way_out="use one unit for positions",
-        )
+        raise broken("mixed_positions", {"name": pixels[0], "other": other})
     for name, (column, unit) in asked.columns.items():
         if name in pixels or (name == "time" and (is_clock or frame_rate is not None)):
             continue
@@ -666,25 +623,15 @@ def _quantity(target: str) -> Quantity:
 def _factor(target: str, column: SourceColumn, unit: str) -> float:
     """Return the SI value of a column's unit."""
     quantity = _quantity(target)
-    usual = units_of(target)
+    told = {"column": column.label, "target": target, "units": ", ".join(units_of(target))}
     if not unit:
-        raise InputError(
-            f"the unit of column {column.label} is missing",
-            way_out=f"write it in brackets, as in {target} = '{column.path} [{quantity.unit}]'; "
-            f"it may be {', '.join(usual)}",
-        )
+        raise broken("no_unit", {**told, "path": column.path, "unit": quantity.unit})
     if canonical(unit) is None and canonical(unit.swapcase()) is not None:
-        raise InputError(
-            f"column {column.label} is in [{unit}], which may mean [{unit.lower()}]",
-            way_out=f"write [{unit.lower()}]",
-        )
+        raise broken("misspelt_unit", {**told, "unit": unit, "meant": unit.lower()})
     try:
         return float(to_si(target, IN_OTHERS.get(unit, f"1 {unit}"), quantity.unit))
     except InputError:
-        raise InputError(
-            f"column {column.label} is in [{unit}], which is not a unit of {target}",
-            way_out=f"it may be {', '.join(usual)}",
-        ) from None
+        raise broken("foreign_unit", {**told, "unit": unit}) from None
 
 
 def _checked_pivot(
@@ -692,9 +639,9 @@ def _checked_pivot(
 ) -> tuple[float, float]:
     """Return a pivot given as numbers, with y upwards."""
     if len(pivot) != 2:
-        raise InputError("must be two numbers x, y", parameter="pivot", value=pivot)
+        raise broken("two_coordinates", parameter="pivot", value=pivot)
     if "pivot_x" in series or "pivot_y" in series:
-        raise InputError("give the pivot either as numbers or as columns, not both")
+        raise broken("pivot_twice")
     return float(pivot[0]), float(pivot[1]) * (-1.0 if y_axis == "down" else 1.0)
 
 
@@ -742,16 +689,13 @@ def _place_angles(
     for ball in (1, 2):
         half = {f"ball_{ball}_x", f"ball_{ball}_y"} & columns.keys()
         if len(half) == 1:
-            raise InputError(f"{half.pop()} needs its other coordinate too")
+            raise broken("half_place", {"name": half.pop()})
     if pivot is not None:
         for axis, value in zip("xy", pivot, strict=True):
             columns[f"pivot_{axis}"] = np.full(len(columns["time"]), value)
     if placed and not {"pivot_x", "pivot_y"} <= columns.keys():
         if any(f"angle_{b}" not in columns for b in placed):
-            raise InputError(
-                "angles from positions need the pivot",
-                way_out="give pivot = (x, y), or its columns pivot_x and pivot_y",
-            )
+            raise broken("pivot_needed")
         return
     for axis in ("x", "y"):
         if f"pivot_{axis}" in columns:
@@ -777,14 +721,11 @@ def _integrated(time: Floats, rate: Floats) -> Floats:
 
     known = np.isfinite(rate) & np.isfinite(time)
     if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
-        raise InputError(f"{_RATE} needs at least 8 numbers at increasing times")
+        raise broken("few_rates", {"rate": _RATE})
     spline = CubicSpline(time[known], rate[known]).antiderivative()
     turns = crossings(time[known], rate[known] - np.median(rate[known]))
     if len(turns) < 6:
-        raise InputError(
-            f"an angle from {_RATE} needs a swing with at least 6 turning points",
-            value=len(turns),
-        )
+        raise broken("few_turns_of_rate", {"rate": _RATE}, value=len(turns))
     tops = spline(turns)
     middles = 0.25 * (tops[:-2] + 2.0 * tops[1:-1] + tops[2:])
     line = np.polyfit(turns[1:-1], middles, 1)

@@ -300,6 +300,134 @@ RULES = {
     "placed_above": Rule(
         "{column} is above the pivot in most rows: does y point down (y_axis = 'down')?"
     ),
+    # why a table cannot be imported
+    "own_table": Rule("it is a track table already", "use it as it is"),
+    "one_table": Rule("leave it out: the file is one table"),
+    "several_runs": Rule(
+        "it holds {count} runs beside each other: {names}", "choose one, as in section = '{first}'"
+    ),
+    "several_tracks": Rule(
+        "it has {count} tracks: {names}",
+        "name the columns of one or two, as in ball_1_x = '{first}/x'",
+    ),
+    "frames_only": Rule("it has frame numbers and no time", "give frame_rate in 1/s"),
+    "needless_rate": Rule(
+        "column {column} holds times, which need no frame rate", "leave out frame_rate"
+    ),
+    "no_headings": Rule(
+        "it has no names above its columns ({count})",
+        "name them by position, as in time = '1 [s]'",
+    ),
+    "unclear_time": Rule(
+        "it is not clear which column is {target}; it has {names}",
+        "name it, as in {target} = '{path} [{unit}]'; if each row is a frame, give frame_rate in "
+        "1/s",
+    ),
+    "unclear_angle": Rule(
+        "it is not clear which column is angle_1; it has {names}",
+        "name it, as in {target} = '{path} [{unit}]'",
+    ),
+    "column_without_numbers": Rule(
+        "column {column} holds no numbers",
+        "save the file with the values of its formulas, or name another column",
+    ),
+    "rival_columns": Rule(
+        "{count} columns may be {target}: {places}",
+        "name one by its position, as in {target} = '{position}'",
+    ),
+    "which_time": Rule(
+        "which column is the time?",
+        "name it, as in time = 't [s]', or give frame_rate if each row is a frame",
+    ),
+    "no_target": Rule("a track table has no column '{name}'"),
+    "angle_or_rate": Rule("give angle_1 or {rate}, not both"),
+    "split_frames": Rule(
+        "rows cannot be counted as frames, since line {line} is no row",
+        "add a column of frame numbers, or remove that line",
+    ),
+    "missing_time": Rule("the time is missing in line {line}", "complete or remove that line"),
+    "falling_time": Rule(
+        "must increase strictly, above {time:g} in line {line}",
+        "sort the rows, remove repeats, or cut the file where a new run begins",
+    ),
+    "far_number": Rule(
+        "line {line} of column {column} holds {number:g}, which is far from the other numbers",
+        "leave the cell empty if the number is missing",
+    ),
+    "rate_needs_frames": Rule(
+        "column {column} holds no frame numbers, which a frame rate needs",
+        "name the column of frame numbers as time, or leave out frame_rate",
+    ),
+    "frames_need_rate": Rule(
+        "column {column} holds frame numbers, not times", "give frame_rate in 1/s"
+    ),
+    "mixed_positions": Rule(
+        "{name} is in pixels, but {other} is not", "use one unit for positions"
+    ),
+    "no_unit": Rule(
+        "the unit of column {column} is missing",
+        "write it in brackets, as in {target} = '{path} [{unit}]'; it may be {units}",
+    ),
+    "misspelt_unit": Rule(
+        "column {column} is in [{unit}], which may mean [{meant}]", "write [{meant}]"
+    ),
+    "foreign_unit": Rule(
+        "column {column} is in [{unit}], which is not a unit of {target}", "it may be {units}"
+    ),
+    "two_coordinates": Rule("must be two numbers x, y"),
+    "pivot_twice": Rule("give the pivot either as numbers or as columns, not both"),
+    "half_place": Rule("{name} needs its other coordinate too"),
+    "pivot_needed": Rule(
+        "angles from positions need the pivot",
+        "give pivot = (x, y), or its columns pivot_x and pivot_y",
+    ),
+    "few_rates": Rule("{rate} needs at least 8 numbers at increasing times"),
+    "few_turns_of_rate": Rule("an angle from {rate} needs a swing with at least 6 turning points"),
+    # why a video cannot be read
+    "empty_video": Rule("it is empty"),
+    "not_video": Rule("it cannot be read as a video: {fault}"),
+    "empty_container": Rule("it cannot be read as a video: it is empty"),
+    "no_stream": Rule("it holds no video stream, only sound or data"),
+    "frames_without_size": Rule("the size of its frames is unknown"),
+    "no_decoded_frame": Rule("no frame could be decoded"),
+    "decoding_fails": Rule("decoding fails ({fault})"),
+    "missing_end": Rule("the file is cut off: its last {count} bytes are missing", "copy it again"),
+    "missing_part": Rule(
+        "the file is cut off: {count} frames are there, {seconds} of {declared} s", "copy it again"
+    ),
+    "damaged_video": Rule(
+        "the file is damaged: frame {count} cannot be decoded ({fault})",
+        "copy it again, or use the part before that (--end)",
+    ),
+    "interlaced": Rule(
+        "its frames are interlaced: odd and even rows were filmed at different times",
+        "make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 NEW.mp4",
+    ),
+    "no_time_stamp": Rule(
+        "frame {number} has no time stamp",
+        "declare the frame rate, e.g. with ffmpeg -framerate 30 -i VIDEO -c copy NEW.mp4",
+    ),
+    "other_size": Rule(
+        "frame {number} differs in size from those before it: {width} x {height} pixels"
+    ),
+    "falling_stamp": Rule(
+        "time stamps must increase, but frame {number} is at {time:.6g} s after {last:.6g} s",
+        "write the frames again, e.g. with ffmpeg -i VIDEO -crf 16 NEW.mp4",
+    ),
+    "no_frame_between": Rule("no frame lies between start ({start} s) and end ({end} s)"),
+    "start_after_end": Rule("must lie before the end of the video at {time:.6g} s"),
+    "beyond_limit": Rule(
+        "{found}, at most {limit:.10g} {unit} are allowed",
+        "cut the video or scale it down, or raise the limit of its {name}",
+    ),
+    "size_of_frames": Rule("frames of {width} x {height} pixels"),
+    "memory_of_frames": Rule(
+        "frames of {width} x {height} pixels take up to {memory:.2g} bytes of memory"
+    ),
+    "seconds_so_far": Rule("{seconds:.4g} s are there"),
+    "frames_so_far": Rule("{count} frames are there"),
+    "seconds_in_all": Rule("it is {seconds:.4g} s long"),
+    "frames_in_all": Rule("it has {count} frames"),
     # why there is no fit and no trial
     "moving_pivot": Rule(
         "the pivot moves by {size:.3g} mm either way: a decay needs a pivot at rest",

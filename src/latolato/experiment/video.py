@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from latolato.core.errors import InputError, import_extra, reading
+from latolato.core.errors import InputError, Sentence, Word, import_extra, reading
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
 from latolato.experiment.container import (
@@ -25,6 +25,7 @@ from latolato.experiment.container import (
     missing_bytes,
     square_size,
 )
+from latolato.experiment.rules import broken, said
 
 # Memory for a hundred frames and what is learned of them, per pixel of a frame [bytes]: 100 were
 # measured at 3840 x 2160 with fifty frames.
@@ -50,7 +51,6 @@ _PLANAR = ("yuv420p", "yuvj420p")
 # ITU-T H.273: luma coefficients, and tone curves of high dynamic range.
 _MATRICES = {1: "bt709", 5: "bt601", 6: "bt601", 9: "bt2020", 10: "bt2020"}
 _TONES = {16: "pq", 18: "hlg"}
-_WRITE_AGAIN = "write the frames again, e.g. with ffmpeg -i VIDEO -crf 16 NEW.mp4"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -79,14 +79,12 @@ class Limits:
             if not value > 0.0:
                 raise InputError("must be positive", parameter=name, value=value)
 
-    def check(self, name: str, value: float, words: str) -> None:
-        """Raise if a value exceeds one of the limits; `words` describe the value."""
-        limit, unit = getattr(self, name), _UNITS[name]
+    def check(self, name: str, value: float, found: Sentence) -> None:
+        """Raise if a value exceeds one of the limits; `found` describes the value."""
+        limit, unit = getattr(self, name), Word(_UNITS[name])
         if value > limit:
-            raise InputError(
-                f"{words}, at most {limit:.10g} {unit} are allowed",
-                way_out=f"cut the video or scale it down, or raise the limit of its {name}",
-            )
+            values = {"found": found, "limit": limit, "unit": unit, "name": name}
+            raise broken("beyond_limit", values)
 
 
 class Frame(NamedTuple):
@@ -197,32 +195,24 @@ class Video:
             stream.thread_count = 1  # each thread would hold frames of its own
             for picture in _pictures(self.path, container, stream):
                 if picture.pts is None:
-                    raise InputError(
-                        f"frame {number} has no time stamp",
-                        way_out="declare the frame rate, e.g. with ffmpeg -framerate 30 -i VIDEO "
-                        "-c copy NEW.mp4",
-                    )
+                    raise broken("no_time_stamp", {"number": number})
                 time = float(picture.pts * stream.time_base) / self.slow_motion
                 if number == 0:
                     first, size = time, (picture.width, picture.height)
                 if (picture.width, picture.height) != size:
-                    raise InputError(
-                        f"frame {number} differs in size from those before it: {picture.width} x "
-                        f"{picture.height} pixels"
-                    )
+                    sizes = {"width": picture.width, "height": picture.height}
+                    raise broken("other_size", {"number": number, **sizes})
                 if not time > last:
-                    raise InputError(
-                        f"time stamps must increase, but frame {number} is at {time:.6g} s after "
-                        f"{last:.6g} s",
-                        way_out=_WRITE_AGAIN,
-                    )
+                    stamps = {"time": time, "last": last}
+                    raise broken("falling_stamp", {"number": number, **stamps})
                 if time > self.end + _ROUNDED:
                     break
                 if time >= self.start - _ROUNDED:
                     since = time if since == -math.inf else since
-                    self.limits.check("duration", time - since, f"{time - since:.4g} s are there")
+                    so_far = said("seconds_so_far", seconds=time - since)
+                    self.limits.check("duration", time - since, so_far)
                     count = number - self.first_frame + 1
-                    self.limits.check("frames", count, f"{count} frames are there")
+                    self.limits.check("frames", count, said("frames_so_far", count=count))
                     planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
                     frame = Frame(count - 1, time, *planes)
                     yield self.steadier(frame) if self.steadier else frame
@@ -233,15 +223,11 @@ class Video:
                 if self.frame_rate:  # the duration of an AVI without its end is that of the rest
                     declared = max(declared, self.frame_count / self.frame_rate)
                 if self.is_cut_off and number and last - first < 0.97 * declared - 0.1:
-                    raise InputError(
-                        f"the file is cut off: {number} frames are there, {last - first:.2f} of "
-                        f"{declared:.2f} s",
-                        way_out="copy it again",
-                    )
+                    lengths = {"seconds": f"{last - first:.2f}", "declared": f"{declared:.2f}"}
+                    raise broken("missing_part", {"count": number, **lengths})
             if since == -math.inf:
-                raise InputError(
-                    f"no frame lies between start ({self.start:g} s) and end ({self.end:g} s)"
-                )
+                ends = {"start": f"{self.start:g}", "end": f"{self.end:g}"}
+                raise broken("no_frame_between", ends)
 
 
 def open_video(
@@ -282,33 +268,29 @@ def open_video(
         _check_file(path)
         with _opened(path) as container:
             if not len(container.streams):
-                raise _unreadable(path, "it cannot be read as a video: it is empty")
+                raise _unreadable(path, "empty_container")
             if not container.streams.video:
-                raise _unreadable(path, "it holds no video stream, only sound or data")
+                raise _unreadable(path, "no_stream")
             stream = container.streams.video[0]
             context = stream.codec_context
             width, height = square_size(context.width, context.height, stream.sample_aspect_ratio)
             if width * height == 0:
-                raise _unreadable(path, "the size of its frames is unknown")
+                raise _unreadable(path, "frames_without_size")
             clock = declared_clock(container, stream)
             if slow_motion is None:
                 slow_motion = clock.slow_motion if clock.is_sure else 1.0
             count = _frame_count(container, stream)
-            words = f"frames of {width} x {height} pixels"
-            limits.check("pixels", width * height, words)
+            size = {"width": width, "height": height}
+            limits.check("pixels", width * height, said("size_of_frames", **size))
             memory = width * height * _PER_PIXEL
-            limits.check("memory", memory, f"{words} take up to {memory:.2g} bytes of memory")
+            limits.check("memory", memory, said("memory_of_frames", **size, memory=memory))
             duration = _duration(container, stream) / slow_motion
             pictures = _pictures(path, container, stream)
             picture = next(pictures, None)
             if picture is None:
-                raise _unreadable(path, "no frame could be decoded")
+                raise _unreadable(path, "no_decoded_frame")
             if picture.interlaced_frame:
-                raise InputError(
-                    "its frames are interlaced: odd and even rows were filmed at different times",
-                    way_out="make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 "
-                    "NEW.mp4",
-                )
+                raise broken("interlaced")
             first_frame = 0
             if start > -math.inf:
                 slower = stream.time_base / Fraction(slow_motion)
@@ -335,8 +317,9 @@ def open_video(
                 first_frame=first_frame,
             )
             part = min(end, duration) - max(start, 0.0)
-            limits.check("duration", part, f"it is {part:.4g} s long")
-            limits.check("frames", video.expected_count, f"it has {video.expected_count} frames")
+            limits.check("duration", part, said("seconds_in_all", seconds=part))
+            expected = video.expected_count
+            limits.check("frames", expected, said("frames_in_all", count=expected))
             return video
 
 
@@ -347,8 +330,7 @@ def _number_at(start: float, pictures: Iterable[Any], tick: Fraction) -> int:
         time = time if picture.pts is None else float(picture.pts * tick)
         if time >= start - _ROUNDED:
             return number
-    rule = f"must lie before the end of the video at {time:.6g} s"
-    raise InputError(rule, parameter="start", value=start)
+    raise broken("start_after_end", {"time": time}, parameter="start", value=start)
 
 
 def _check_file(path: Path) -> None:
@@ -370,7 +352,7 @@ def _check_file(path: Path) -> None:
         note = f" (its folder has {pictures})" if pictures else ""
         raise InputError(f"it is a picture{note}", way_out=_AS_VIDEO)
     if path.stat().st_size == 0:
-        raise InputError("it is empty")
+        raise broken("empty_video")
 
 
 def digest_of(path: str | Path) -> str:
@@ -396,14 +378,12 @@ def _pictures_in(folder: Path) -> str:
     return f"pictures {numbers[0]} to {numbers[-1]}{gaps}"
 
 
-def _unreadable(path: Path, reason: str) -> InputError:
+def _unreadable(path: Path, rule: str, fault: str = "") -> InputError:
     """Return the error for a file that cannot be read: that its end is missing, if it is."""
     missing = missing_bytes(path)
     if missing:
-        return InputError(
-            f"the file is cut off: its last {missing} bytes are missing", way_out="copy it again"
-        )
-    return InputError(reason)
+        return broken("missing_end", {"count": missing})
+    return broken(rule, {"fault": fault})
 
 
 @contextmanager
@@ -416,7 +396,7 @@ def _opened(path: Path) -> Iterator[Any]:
     try:
         container = av.open(str(path), container_options=_OPTIONS)
     except av.error.FFmpegError as error:
-        raise _unreadable(path, f"it cannot be read as a video: {error.strerror}") from None
+        raise _unreadable(path, "not_video", error.strerror) from None
     with container:
         yield container
 
@@ -435,12 +415,10 @@ def _pictures(path: Path, container: Any, stream: Any) -> Iterator[Any]:
             yield picture
     except av.error.FFmpegError as error:
         if count and not missing_bytes(path):
-            raise InputError(
-                f"the file is damaged: frame {count} cannot be decoded ({error.strerror})",
-                way_out="copy it again, or use the part before that (--end)",
-            ) from None
+            fault = {"count": count, "fault": error.strerror}
+            raise broken("damaged_video", fault) from None
         if not count:
-            raise _unreadable(path, f"decoding fails ({error.strerror})") from None
+            raise _unreadable(path, "decoding_fails", error.strerror) from None
 
 
 def _frame_count(container: Any, stream: Any) -> int:

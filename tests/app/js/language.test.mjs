@@ -107,6 +107,7 @@ test("words and sentences in the gaps of a sentence are translated, names are no
   const error = unknown("drive", "lengt", ["length", "mass"]);
   assert.equal(error.message, "unknown drive 'lengt': did you mean 'length'?");
   assert.equal(inLanguage(error), "pogon 'lengt' nije poznat: jeste li mislili 'length'?");
+  assert.match(inLanguage(unknown("drive", "1.5", [])), /^pogon '1\.5' /, "what was typed stays as it is");
 });
 
 test("a number that is too small for its unit is refused in the unit of its field", () => {

@@ -20,6 +20,7 @@ from latolato.experiment.importing import (
     usual_columns,
 )
 from latolato.experiment.track_table import read_table
+from latolato.io.tables.rules import broken as broken_table
 from latolato.io.tables.source import Section, SourceColumn, read_source
 from latolato.scenario.units import to_si
 
@@ -112,7 +113,7 @@ def import_of(path: Path, description: Description) -> Import:
         parts = parts_of(read_source(path, decimal=description.get("decimal")))
         name = description.get("section") or next(iter(parts))
         if name not in parts:
-            raise InputError(f"it has no section '{name}'", way_out=suggest(name, list(parts)))
+            raise broken_table("no_section", {"name": name}, way_out=suggest(name, list(parts)))
         section = parts[name]
         chosen = description.get("columns", {})
         found = {target: section.column(text) for target, text in chosen.items()}

@@ -6,7 +6,7 @@ import csv
 import re
 from functools import lru_cache
 
-from latolato.core.errors import InputError
+from latolato.io.tables.rules import broken
 from latolato.io.tables.shapes import LEADING
 
 # The delimiters, the likeliest first; blanks are any number of blanks and tabs.
@@ -136,10 +136,7 @@ def split(line: str, delimiter: str) -> list[str]:
     try:
         (cells,) = csv.reader([line], delimiter=delimiter, skipinitialspace=True)
     except csv.Error as error:
-        raise InputError(
-            f"a line that begins '{line[:30]}' cannot be parted into cells ({error})",
-            way_out="look for a quotation mark that is not closed",
-        ) from None
+        raise broken("spoiled_line", {"text": line[:30], "fault": str(error)}) from None
     return [cell.strip() for cell in cells]
 
 

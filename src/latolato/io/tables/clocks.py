@@ -10,8 +10,8 @@ from typing import NoReturn
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
 from latolato.io.tables.cells import MISSING_WORDS
+from latolato.io.tables.rules import broken, said
 
 _CLOCK = re.compile(
     r"(?:(?P<year>\d{4})-(?P<month>\d\d)-(?P<day>\d\d)[T ])?"
@@ -64,11 +64,7 @@ def seconds_of(
         match = _CLOCK.fullmatch(cell) if is_clock(cell) else None
         is_time = match is not None and int(match["seconds"]) < 60
         if match is None or not is_time or (match["hours"] and int(match["minutes"]) > 59):
-            raise InputError(
-                f"line {lines[i]} holds '{cell[:40]}', which is no time such as 0:03.25 or "
-                "09:13:03.25",
-                way_out="export the time in seconds or milliseconds",
-            )
+            raise broken("no_clock", {"line": lines[i], "cell": cell[:40]})
         day = (
             date(*map(int, match.group("year", "month", "day"))).toordinal() if match["year"] else 0
         )
@@ -93,7 +89,7 @@ def _of_frames(
 ) -> NDArray[np.float64]:
     """Return times of frames whose last part is a frame or the hundredths that were begun."""
     if frame_rate is None:
-        _refuse(cells, "give frame_rate in 1/s")
+        _refuse(cells, said("rate_of_clock"))
     known = np.isfinite(parts)
     written = (seconds + parts / 100.0) * frame_rate
     # The first frame whose time is rounded or cut to the hundredths that are written.
@@ -107,14 +103,11 @@ def _of_frames(
     if len(readings) != 1 and not (
         readings and np.array_equal(readings[0], readings[1], equal_nan=True)
     ):
-        _refuse(cells, "export the time in seconds or milliseconds")
+        _refuse(cells)
     return readings[0]
 
 
-def _refuse(cells: Sequence[str], way_out: str) -> NoReturn:
+def _refuse(cells: Sequence[str], way_out: str | None = None) -> NoReturn:
     """Raise the error for a last part that could be two things."""
     example = next(cell for cell in cells if cell.strip())
-    raise InputError(
-        f"the last part of '{example.strip()}' may count frames or hundredths of a second",
-        way_out=way_out,
-    )
+    raise broken("frames_or_hundredths", {"cell": example.strip()}, way_out=way_out)

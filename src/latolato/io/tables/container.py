@@ -14,53 +14,45 @@ from itertools import chain
 from pathlib import PurePosixPath
 from typing import Any
 
-from latolato.core.errors import InputError, import_extra
+from latolato.core.errors import Sentence, import_extra
 from latolato.io.tables.cells import NUMBERS, kind_of, zeros
+from latolato.io.tables.rules import broken, said
 
 # Files, packed or unpacked, beyond this size are taken for mistakes [bytes].
 LARGEST = 500_000_000
-_EXPORT_CSV = "export its data as CSV"
-_AS_TEXT = "save the table as UTF-8 text"
+_MEGABYTES = LARGEST // 1_000_000
 _CONTROL = "[\x00-\x08\x0e-\x1f]"
-_TRACKER = (
-    "it is a Tracker project, not its data",
-    "open it in Tracker and use File, Export, Data File",
-)
-# How files begin that hold no table of text, what they are and what to do.
-_SIGNATURES: tuple[tuple[bytes, str, str], ...] = (
-    (b"%PDF", "it is a PDF document", "save its table as CSV"),
-    (b"\x89PNG", "it is a picture", "import the table that it shows as CSV"),
-    (b"\xff\xd8\xff", "it is a picture", "import the table that it shows as CSV"),
-    (b"GIF8", "it is a picture", "import the table that it shows as CSV"),
-    (b"\x89HDF", "it is an HDF5 or NetCDF file", _EXPORT_CSV),
-    (b"PAR1", "it is a Parquet file of another program", _EXPORT_CSV),
-    (b"SQLite format 3", "it is a database", _EXPORT_CSV),
-    (b"CFWB", "it is a LabChart binary file", "in LabChart, save the data as text"),
-    (b"7z\xbc\xaf", "it is a 7z archive", "unpack it"),
-    (b"Rar!", "it is a RAR archive", "unpack it"),
-    (b"BZh", "it is a bzip2 file", "unpack it"),
-    (b"\xfd7zXZ", "it is an xz file", "unpack it"),
-    (b"\x28\xb5\x2f\xfd", "it is a Zstandard file", "unpack it"),
-    (b"MATLAB", "it is a MATLAB file", "in MATLAB, save its table with writetable"),
-    (b"\x93NUMPY", "it is a NumPy array", "save it with numpy.savetxt"),
-    (b"{\\rtf", "it is a text with formats (RTF)", "save it as plain text"),
-)
+# How files begin that hold no table of text, and the rule that says what they are.
+_SIGNATURES = {
+    b"%PDF": "is_pdf",
+    b"\x89PNG": "is_picture",
+    b"\xff\xd8\xff": "is_picture",
+    b"GIF8": "is_picture",
+    b"\x89HDF": "is_hdf5",
+    b"PAR1": "is_parquet",
+    b"SQLite format 3": "is_database",
+    b"CFWB": "is_labchart",
+    b"7z\xbc\xaf": "is_7z",
+    b"Rar!": "is_rar",
+    b"BZh": "is_bzip2",
+    b"\xfd7zXZ": "is_xz",
+    b"\x28\xb5\x2f\xfd": "is_zstandard",
+    b"MATLAB": "is_matlab",
+    b"\x93NUMPY": "is_numpy",
+    b"{\\rtf": "is_rtf",
+}
 # Where a tar archive says what it is.
 _TAR = slice(257, 262)
 # What begins the text of files that hold no table, in small letters, without blanks.
-_TEXT_KINDS: tuple[tuple[str, str, str], ...] = (
-    ("opensourcephysics", *_TRACKER),
-    (
-        "<kinoveavideoanalysis",
-        "it is a Kinovea analysis, not its data",
-        "in Kinovea, export the measured data as CSV or text",
-    ),
-    ("<trackmate", "it is a TrackMate file", "in TrackMate, export the spots as CSV"),
-    ("<!doctypehtml", "it is a web page", "save its table as CSV"),
-    ("<html", "it is a web page", "save its table as CSV"),
-    ("<phyphox", "it is a phyphox experiment", "in phyphox, use Export Data, CSV"),
-    ("<?xml", "it is an XML file", _EXPORT_CSV),
-)
+_TEXT_KINDS = {
+    "opensourcephysics": "is_tracker",
+    "<kinoveavideoanalysis": "is_kinovea",
+    "<trackmate": "is_trackmate",
+    "<!doctypehtml": "is_web_page",
+    "<html": "is_web_page",
+    "<phyphox": "is_phyphox",
+    "<?xml": "is_xml",
+}
 _SHEETS_OF_ZIP = ("xl/workbook.xml", "xl/workbook.bin", "content.xml")
 _OLD_OFFICE = b"\xd0\xcf\x11\xe0\xa1\xb1\x1a\xe1"
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".asc")
@@ -99,7 +91,7 @@ def read_parts(name: str, raw: bytes) -> list[Part]:
         For a spreadsheet, if the extra `tables` is missing.
     """
     if not raw.strip(b"\0 \t\r\n"):
-        raise InputError("it is empty", way_out="export the data again")
+        raise broken("empty_file")
     if raw[:2] == b"\x1f\x8b":
         return read_parts(name.removesuffix(".gz"), _gunzipped(raw))
     if raw[:4] == b"PK\x03\x04":
@@ -107,12 +99,12 @@ def read_parts(name: str, raw: bytes) -> list[Part]:
     if raw[:8] == _OLD_OFFICE:
         return _sheets(raw)
     if raw[4:8] == b"ftyp" or raw[:4] == b"RIFF":
-        raise InputError("it is a video, not a table", way_out="use latolato track")
-    for start, what, way_out in _SIGNATURES:
+        raise broken("is_video")
+    for start, rule in _SIGNATURES.items():
         if raw.startswith(start):
-            raise InputError(what, way_out=way_out)
+            raise broken(rule)
     if raw[_TAR] == b"ustar":
-        raise InputError("it is a tar archive", way_out="unpack it")
+        raise broken("is_tar")
     return [_decoded(raw)]
 
 
@@ -125,13 +117,11 @@ def _gunzipped(raw: bytes) -> bytes:
         try:
             contents.append(unpacker.decompress(raw, room + 1))
         except zlib.error as error:
-            raise InputError(
-                f"it is a damaged gzip file ({error})", way_out="pack it again"
-            ) from None
-        is_large = len(contents[-1]) > room
-        if is_large or not unpacker.eof:
-            cause = f"larger than {LARGEST // 1_000_000} MB" if is_large else "cut off"
-            raise InputError(f"it is a gzip file whose content is {cause}", way_out="unpack it")
+            raise broken("damaged_gzip", {"fault": str(error)}) from None
+        if len(contents[-1]) > room:
+            raise broken("large_gzip", {"size": _MEGABYTES})
+        if not unpacker.eof:
+            raise broken("short_gzip")
         raw = unpacker.unused_data
     return b"".join(contents)
 
@@ -141,30 +131,26 @@ def _parts_of_zip(raw: bytes) -> list[Part]:
     try:
         archive = zipfile.ZipFile(io.BytesIO(raw))
     except zipfile.BadZipFile as error:
-        raise InputError(f"it is a damaged zip file ({error})", way_out="pack it again") from None
+        raise broken("damaged_zip", {"fault": str(error)}) from None
     with archive:
         members = {each.filename: each for each in archive.infolist() if not each.is_dir()}
         if any(each in members for each in _SHEETS_OF_ZIP):
             return _sheets(raw)
         if any(each.lower().endswith(".trk") for each in members):
-            raise InputError(_TRACKER[0], way_out=_TRACKER[1])
+            raise broken("is_tracker")
         tables = {
             each: info
             for each, info in members.items()
             if each.lower().endswith(_ENDINGS) and not each.startswith("__MACOSX/")
         }
         if not tables:
-            listed = ", ".join(list(members)[:5]) or "nothing"
-            raise InputError(f"it is an archive without tables: {listed}", way_out="unpack it")
+            raise broken("no_tables", {"names": ", ".join(list(members)[:5]) or said("nothing")})
         if sum(each.file_size for each in tables.values()) > LARGEST:
-            raise InputError(
-                f"it is an archive of more than {LARGEST // 1_000_000} MB", way_out="unpack it"
-            )
+            raise broken("large_archive", {"size": _MEGABYTES})
         try:
             contents = {each: archive.read(info) for each, info in tables.items()}
         except (zipfile.BadZipFile, RuntimeError, NotImplementedError, zlib.error) as error:
-            raise InputError(f"it is a zip file that cannot be unpacked: {error}",
-                             way_out="unpack it") from None  # fmt: skip
+            raise broken("unknown_zip", {"fault": str(error)}) from None
     known = {each: content for each, content in contents.items() if content.strip()}
     # What describes the phone and the clock lies in a folder of its own.
     outer = [each for each in known if PurePosixPath(each).parts[0] != "meta"] or list(known)
@@ -183,11 +169,9 @@ def _sheets(raw: bytes) -> list[Part]:
             for name in book.sheet_names
         ]
     except calamine.PasswordError:
-        raise InputError("it is a spreadsheet with a password", way_out="save it without") from None
+        raise broken("locked_sheets") from None
     except (calamine.CalamineError, OSError, ValueError) as error:
-        raise InputError(
-            f"it is a spreadsheet that cannot be read ({error})", way_out="save its sheet as CSV"
-        ) from None
+        raise broken("unknown_sheets", {"fault": str(error)}) from None
     parts = []
     for name, rows in sheets:
         # Where numbers are written as texts, the other cells must not settle their decimal sign.
@@ -198,7 +182,7 @@ def _sheets(raw: bytes) -> list[Part]:
             text = ("\n".join(lines) + "\n").encode()
             parts.append(Part(name, text, "spreadsheet", "\t", decimal))
     if not parts:
-        raise InputError("it is a spreadsheet without cells", way_out="export the data again")
+        raise broken("empty_sheets")
     return parts
 
 
@@ -232,15 +216,15 @@ def _decoded(raw: bytes, name: str = "") -> Part:
     try:
         text = raw.decode(encoding)
     except UnicodeDecodeError:
-        raise InputError(f"{_named(name)} is not a text file", way_out=_AS_TEXT) from None
+        raise broken("is_no_text", {"subject": _named(name)}) from None
     # Some programs fill up the end of a file, or mark it.
     text = text.lstrip("\ufeff").rstrip("\0\x1a\r\n")
     start = "".join(text[:4000].lower().split())
-    for mark, what, way_out in _TEXT_KINDS:
+    for mark, rule in _TEXT_KINDS.items():
         if start.startswith("<") and mark in start:
-            raise InputError(what, way_out=way_out)
+            raise broken(rule)
     if re.match(r"\{[\"}]|\[[\[{]", start):
-        raise InputError(f"{_named(name)} is JSON, not a table", way_out=_EXPORT_CSV)
+        raise broken("is_json", {"subject": _named(name)})
     text = text.replace("\r\n", "\n").replace("\r", "\n").replace("\f", "\n")
     _refuse_control_characters(text, name)
     return Part(name, text.encode() + b"\n", encoding)
@@ -252,17 +236,15 @@ def _refuse_control_characters(text: str, name: str) -> None:
     if found is None:
         return
     if len(re.findall(_CONTROL, text[:100_000])) > 0.01 * len(text[:100_000]):
-        raise InputError(f"{_named(name)} is not a text file", way_out=_AS_TEXT)
+        raise broken("is_no_text", {"subject": _named(name)})
     line = text.count("\n", 0, found.start()) + 1
-    raise InputError(
-        f"line {line} of {name or 'the file'} holds the control character {found[0]!r}",
-        way_out="remove it, or export the data again",
-    )
+    values = {"line": line, "name": name or said("the_file"), "character": repr(found[0])}
+    raise broken("control_character", values)
 
 
-def _named(member: str) -> str:
+def _named(member: str) -> Sentence:
     """Return the subject of a sentence about a member of an archive, or the file."""
-    return f"its member '{member}'" if member else "it"
+    return said("member", name=member) if member else said("this_file")
 
 
 def _encoding_of(raw: bytes) -> str:

@@ -14,6 +14,7 @@ from latolato.io.tables.cells import (
     without_mark,
     zeros,
 )
+from latolato.io.tables.rules import said
 from latolato.io.tables.units import APPENDED, canonical, is_known, is_unit
 
 _BRACKETS = re.compile(r"(?P<name>.*?)\s*(?:\[(?P<square>[^\[\]]*)\]|\((?P<round>[^()]*)\))\s*")
@@ -49,7 +50,7 @@ class Heading:
     aliases : tuple of str
         Other names in the header: the short ones of Vernier, those of TrackMate's pages.
     unit_from : str
-        Where the unit was found, if it is not stated as a unit: "the name"; else "".
+        Where the unit was found, if it is not stated as a unit: "its name"; else "".
     """
 
     name: str = ""
@@ -131,10 +132,10 @@ def _name_and_unit(text: str) -> tuple[str, str, str]:
     for divider in (" in ", ", "):
         name, found, unit = text.rpartition(divider)
         if found and name.strip() and canonical(unit) is not None:
-            return name.strip(), str(canonical(unit)), "its name"
+            return name.strip(), str(canonical(unit)), said("unit_of_name")
     name, found, unit = text.rpartition("_")
     if found and name and unit.lower() in APPENDED:
-        return name, unit.lower(), "its name"
+        return name, unit.lower(), said("unit_of_name")
     return text, "", ""
 
 

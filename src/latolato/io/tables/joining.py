@@ -7,9 +7,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.io.tables.cells import MINUS
 from latolato.io.tables.layout import Layout, layout_of
+from latolato.io.tables.rules import broken
 
 
 @dataclass(frozen=True)
@@ -73,10 +73,7 @@ def side_by_side(
         for line, cells in zip(each.lines, each.cells, strict=True):
             time = cells[shared[0]]
             if time in seen:
-                raise InputError(
-                    f"{each.name} has a second row for {time} in line {line}",
-                    way_out="remove one of them",
-                )
+                raise broken("second_row", {"name": each.name, "time": time, "line": line})
             seen.add(time)
             _, row = table.setdefault(time, (line, list(empty)))
             row[: len(shared)] = [cells[i] for i in shared]

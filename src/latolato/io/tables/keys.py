@@ -6,8 +6,8 @@ import re
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.io.tables.cells import DELIMITERS, MINUS, NUMBERS, is_comment, kind_of, split, zeros
+from latolato.io.tables.rules import broken
 from latolato.io.tables.shapes import LEADING, Lines, lines_of
 
 _KEY = re.compile(rf"(?<![\w.])([^\W\d]\w*)[ \t]*[=:][ \t]*(?=[-+{MINUS}]?[.,]?[0-9{LEADING}])")
@@ -33,11 +33,8 @@ def with_names_above(lines: Lines) -> Lines:
     for i in np.flatnonzero(has_keys).tolist():
         found = _KEY.findall(texts[i])
         if found != names:
-            raise InputError(
-                f"line {lines.numbers[i]} has the names {', '.join(found)}, but the other rows "
-                f"have {', '.join(names)}",
-                way_out="complete or remove that line",
-            )
+            values = {"line": lines.numbers[i], "names": ", ".join(found)}
+            raise broken("other_keys", values | {"others": ", ".join(names)})
         texts[i] = _KEY.sub("", texts[i])
     first = int(np.argmax(has_keys))
     texts.insert(first, "\t".join(names))

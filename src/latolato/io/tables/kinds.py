@@ -6,8 +6,11 @@ import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
+from latolato.core.errors import Sentence, Word
+from latolato.io.tables.rules import said
+
 # Names of columns with their unit and where it is known from.
-Units = Mapping[str, tuple[str, str]]
+Units = Mapping[str, tuple[str, Sentence]]
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,6 @@ def kind_of_file(header: Sequence[str], names: Sequence[str]) -> tuple[str, Unit
     text = "\n".join(header)
     for kind in KINDS:
         if kind.fits(text, set(names)):
-            return kind.name, {
-                name: (unit, f"the kind of file ({kind.name})") for name, unit in kind.units.items()
-            }
+            source = said("unit_of_kind", kind=Word(kind.name))
+            return kind.name, {name: (unit, source) for name, unit in kind.units.items()}
     return "table", {}

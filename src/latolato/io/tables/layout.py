@@ -10,7 +10,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence, Word
 from latolato.io.tables.cells import (
     DELIMITER_NAMES,
     DELIMITERS,
@@ -25,6 +25,7 @@ from latolato.io.tables.cells import (
     zeros,
 )
 from latolato.io.tables.keys import with_names_above
+from latolato.io.tables.rules import broken, said
 from latolato.io.tables.shapes import LEADING, Lines, lines_of
 
 # A cell in quotation marks goes over at most so many lines.
@@ -90,7 +91,7 @@ class Layout:
         The decimal sign, where the kind of file settles it.
     has_quotes : bool
         Whether rows hold quotation marks.
-    notes : list of str
+    notes : list of Sentence
         What was left out.
     """
 
@@ -101,7 +102,7 @@ class Layout:
     blocks: list[Block]
     decimal: str | None
     has_quotes: bool
-    notes: list[str]
+    notes: list[Sentence]
 
 
 def layout_of(text: bytes, *, delimiter: str | None = None, decimal: str | None = None) -> Layout:
@@ -166,11 +167,8 @@ def _with_whole_cells(lines: Lines) -> Lines:
             continue
         later = np.flatnonzero(is_odd[first + 1 : first + _LONGEST_CELL])
         if not later.size:
-            raise InputError(
-                f"the quotation mark in line {lines.numbers[first]} is not closed",
-                value=lines.line(int(first))[:40],
-                way_out="close it or remove it",
-            )
+            values = {"line": lines.numbers[first]}
+            raise broken("open_quote", values, value=lines.line(int(first))[:40])
         at = int(first + 1 + later[0])
         joined[first + 1 : at + 1] = True
     text = bytearray(lines.text)
@@ -184,19 +182,13 @@ def _refuse_endless_line(lines: Lines) -> None:
     for i, shape in enumerate(lines.shapes):
         if len(shape) > _MOST_CELLS and max(map(shape.count, DELIMITERS)) > _MOST_CELLS:
             line = lines.numbers[np.flatnonzero(lines.shape_of == i)[0]]
-            raise InputError(
-                f"line {line} has more than {_MOST_CELLS} cells",
-                way_out="write each row of the table into a line of its own",
-            )
+            raise broken("endless_line", {"line": line, "count": _MOST_CELLS})
 
 
 def _no_rows(lines: Lines) -> InputError:
     """Return the error for a text without rows of numbers."""
     last = len(lines.numbers) - 1
-    return InputError(
-        f"it has no rows of numbers: line {lines.numbers[last]} is '{lines.line(last)[:40]}'",
-        way_out="save the table as CSV: a line of names and rows of numbers below it",
-    )
+    return broken("no_rows", {"line": lines.numbers[last], "text": lines.line(last)[:40]})
 
 
 def _named_delimiter(lines: Lines) -> str | None:
@@ -244,10 +236,7 @@ def _usual_width(lines: Lines, kinds: list[list[str]], counts: NDArray[np.int64]
         if numbers:
             weights[len(row)] = weights.get(len(row), 0) + int(count) * numbers
     if not weights and any(re.search(r"'[-+.,]?0", shape) for shape in lines.shapes):
-        raise InputError(
-            "its numbers stand in single quotation marks",
-            way_out="remove them, or use double ones",
-        )
+        raise broken("single_quotes")
     if not weights:
         raise _no_rows(lines)
     return max(weights, key=lambda width: (weights[width], width))
@@ -299,7 +288,7 @@ def _begins_as_number(cell: str) -> bool:
 
 def _blocks(
     lines: Lines, of_line: NDArray[np.int64], delimiter: str, width: int, is_text: list[bool]
-) -> tuple[list[Block], list[str]]:
+) -> tuple[list[Block], list[Sentence]]:
     """Return the blocks of rows with their header lines, and what was left out."""
     of_line = of_line.copy()
     rows = np.flatnonzero(of_line == _ROW)
@@ -314,7 +303,7 @@ def _blocks(
     )
     cuts = [start]
     headers = [[i for i in range(start) if of_line[i] != _BLANK]]
-    notes: list[str] = []
+    notes: list[Sentence] = []
     for group in _gaps(of_line, start):
         held = [i for i in group if of_line[i] != _BLANK]
         _refuse_odd(lines, of_line, held, delimiter, width)
@@ -410,22 +399,19 @@ def _refuse_spoiled(lines: Lines, held: list[int], delimiter: str, width: int) -
 def _wrong_width(lines: Lines, i: int, delimiter: str, width: int) -> InputError:
     """Return the error for a row with a wrong number of cells."""
     count = len(split(lines.line(i), delimiter))
-    way_out = "complete or remove that line"
-    if delimiter == "," and "." not in lines.line(i):
-        way_out += "; if commas are decimal signs too, export it with semicolons or tabs"
-    return InputError(
-        f"line {lines.numbers[i]} has {count} cell{'s' * (count != 1)}, but the other rows have "
-        f"{width}",
-        way_out=way_out,
+    has_commas = delimiter == "," and "." not in lines.line(i)
+    return broken(
+        "one_cell" if count == 1 else "wrong_width",
+        {"line": lines.numbers[i], "count": count, "width": width},
+        way_out=said("commas_in_line") if has_commas else None,
     )
 
 
-def _left_out(lines: Lines, texts: list[int]) -> str:
+def _left_out(lines: Lines, texts: list[int]) -> Sentence:
     """Return a note about lines that belong to no row."""
-    first = lines.numbers[texts[0]]
+    first, more = lines.numbers[texts[0]], len(texts) - 1
     shown = " ".join(lines.line(texts[0]).split())[:40]
-    more = f" and {len(texts) - 1} more" if len(texts) > 1 else ""
-    return f"line {first}{more} left out, which is no row: '{shown}'"
+    return said("lines_left_out" if more else "line_left_out", line=first, count=more, text=shown)
 
 
 def _begins_again(
@@ -475,6 +461,6 @@ def _columns(
     return columns
 
 
-def delimiter_name(delimiter: str) -> str:
+def delimiter_name(delimiter: str) -> Word:
     """Return the delimiter in words."""
-    return DELIMITER_NAMES[delimiter]
+    return Word(DELIMITER_NAMES[delimiter])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.io.tables.cells import (
     BLANKS,
     GROUPING,
@@ -26,6 +26,7 @@ from latolato.io.tables.cells import (
     zeros,
 )
 from latolato.io.tables.layout import Block, Layout
+from latolato.io.tables.rules import broken, said
 
 Floats = NDArray[np.float64]
 # A number whose thousands a comma groups, in a shape of a line.
@@ -42,8 +43,7 @@ POINT, COMMA = DECIMALS = (".", ",")
 _PROOFS = {POINT: ("point", "commas of thousands"), COMMA: ("comma", "points of thousands")}
 _UNSURE = {POINT: "point or thousands", COMMA: "comma or thousands"}
 _GROUPS = {POINT: "points of thousands", COMMA: "commas of thousands"}
-_PLURAL = {POINT: "points", COMMA: "commas"}
-_WAY_OUT = "give the decimal sign: decimal = '.' or ','"
+_OR_GROUPS = {POINT: "points_or_groups", COMMA: "commas_or_groups"}
 
 
 @dataclass(frozen=True)
@@ -114,11 +114,8 @@ def _settled_sign(layout: Layout, places: Sequence[int], label: Label) -> str:
             if found:
                 proofs[sign] = found[0]
         if len(proofs) == 2 and among is places:
-            shown = " and ".join(f"{_example(layout, *each, label)}" for each in proofs.values())
-            raise InputError(
-                f"its numbers have two decimal signs: {shown}",
-                way_out="write all numbers with the same sign",
-            )
+            one, other = (_example(layout, *each, label) for each in proofs.values())
+            raise broken("two_decimal_signs", {"one": one, "other": other})
         if len(proofs) == 1:
             return next(iter(proofs))
     for sign in DECIMALS:
@@ -165,19 +162,15 @@ def _counts_in_thousands(layout: Layout, place: int, unsure: str) -> bool:
 
 def _two_ways(layout: Layout, place: int, sign: str, label: Label) -> InputError:
     """Return the error for numbers that could be read in two ways."""
-    return InputError(
-        f"its {_PLURAL[sign]} may be {{parameter}} signs or group thousands: "
-        f"{_example(layout, place, _UNSURE[sign], label)}",
-        parameter="decimal",
-        way_out=_WAY_OUT,
-    )
+    cell = _example(layout, place, _UNSURE[sign], label)
+    return broken(_OR_GROUPS[sign], {"cell": cell}, parameter="decimal")
 
 
-def _example(layout: Layout, place: int, kind: str, label: Label) -> str:
+def _example(layout: Layout, place: int, kind: str, label: Label) -> Sentence:
     """Return a cell of a kind with its line and column, for messages."""
     index = layout.columns[place].first[kind]
     cell = _cell(layout, index, place)
-    return f"'{cell}' in line {layout.lines.numbers[index]}, column {label(place)}"
+    return said("cell_at", cell=cell, line=layout.lines.numbers[index], column=label(place))
 
 
 def _cell(layout: Layout, index: int, place: int) -> str:
@@ -273,18 +266,15 @@ def _refuse_other_cells(
     cell = _cell(layout, int(bad[0]), place)
     kind = kind_of(zeros(cell))
     if re.fullmatch(r"\d+(:\d+)+([.,]\d+)?", cell):
-        way_out = "export the time in seconds or milliseconds"
+        way_out = said("plain_seconds")
     elif kind == "quantity":
-        way_out = "write the unit into the column's name"
+        way_out = said("unit_in_name")
     elif len(bad) > 0.5 * len(block.rows):
-        way_out = "name a column of numbers"
+        way_out = said("column_of_numbers")
     else:
-        way_out = "leave the cell empty if the number is missing"
-    raise InputError(
-        f"line {lines.numbers[bad[0]]} of column {label(place)} holds {shown(cell)}, which is no "
-        f"number",
-        way_out=way_out,
-    )
+        way_out = None
+    values = {"line": lines.numbers[bad[0]], "column": label(place), "cell": shown(cell)}
+    raise broken("no_number", values, way_out=way_out)
 
 
 def shown(cell: str) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -11,16 +11,17 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import InputError, Sentence, Word, joined, reading
 from latolato.core.registry import checked_choice, suggest
 from latolato.io.tables.cells import BLANKS, MISSING_WORDS, is_comment, split, without_mark
 from latolato.io.tables.container import LARGEST, Part, read_parts
 from latolato.io.tables.headings import HeaderLine, Heading, header_of, later_header
 from latolato.io.tables.joining import Rows, meet, side_by_side
-from latolato.io.tables.kinds import kind_of_file
+from latolato.io.tables.kinds import Units, kind_of_file
 from latolato.io.tables.layout import Block, Layout, delimiter_name, layout_of
 from latolato.io.tables.numbers import (
     DECIMALS,
+    POINT,
     Floats,
     is_comma_both,
     numbers_of,
@@ -29,6 +30,7 @@ from latolato.io.tables.numbers import (
     shown,
     signs_of,
 )
+from latolato.io.tables.rules import broken, said
 from latolato.io.tables.units import canonical, is_known, is_unit
 
 # Columns that number the object to which a row belongs, and those that all objects share.
@@ -135,8 +137,8 @@ class Section:
         # A word that is no known unit, such as "Grad", says nothing against a known one.
         is_stated = is_unit(column.unit) and not column.unit_from
         if is_stated and unit != column.unit:
-            raise InputError(f"column {column.label} is in [{column.unit}] itself, not in [{unit}]",
-                             way_out=f"write [{column.unit}], or change the file")  # fmt: skip
+            values = {"column": column.label, "unit": column.unit, "other": unit}
+            raise broken("stated_unit", values)
         return column, unit
 
     def _found(self, name: str, base: str, unit: str) -> SourceColumn:
@@ -161,22 +163,19 @@ class Section:
             if found:
                 places = listed([str(column.position) for column in found])
                 tracked = next((c.path for c in found if c.track), None)
-                way_out = f"name one by its position ({places})"
+                way_out = None
                 if tracked and len({c.path for c in found}) == len(found):
-                    way_out += f" or its track, as in '{tracked}'"
-                raise InputError(f"it has {len(found)} columns '{base}'", way_out=way_out)
-        known = listed([column.path for column in self.columns])
+                    way_out = said("position_or_track", places=places, path=tracked)
+                values = {"count": len(found), "name": base, "places": places}
+                raise broken("alike_columns", values, way_out=way_out)
         if not any(column.name for column in self.columns):
-            raise InputError(
-                f"it has no column '{base}', for it has no names above "
-                f"{counted(len(self.columns), 'column')}",
-                way_out="name columns by position, as in '1 [s]'",
-            )
-        raise InputError(f"it has no column '{base}'; it has {known}")
+            raise broken("unnamed_columns", {"name": base, "count": len(self.columns)})
+        known = listed([column.path for column in self.columns])
+        raise broken("no_such_column", {"name": base, "names": known})
 
     def numbers(
         self, columns: Sequence[SourceColumn], *, decimal: str | None = None
-    ) -> tuple[list[Floats], list[str]]:
+    ) -> tuple[list[Floats], list[Sentence]]:
         """Return columns as numbers, NaN where a cell is empty, and what was assumed.
 
         Parameters
@@ -189,8 +188,8 @@ class Section:
         -------
         list of array of float, shape (row,)
             In the units of the file.
-        list of str
-            Sentences about signs that group thousands.
+        list of Sentence
+            Which signs group thousands.
 
         Raises
         ------
@@ -202,18 +201,15 @@ class Section:
             if column.kind == "texts":
                 index = self._layout.columns[column.position - 1].first["text"]
                 cells = split(self._layout.lines.line(index), self._layout.delimiter)
-                raise InputError(
-                    f"column {column.label} holds texts such as {shown(cells[column.position - 1])}"
-                    f" in line {self._layout.lines.numbers[index]}",
-                    way_out="write plain numbers such as -0.25, or name another column",
-                )
+                cell = shown(cells[column.position - 1])
+                place = {"column": column.label, "line": self._layout.lines.numbers[index]}
+                raise broken("column_of_texts", place | {"cell": cell})
         places = [column.position - 1 for column in columns]
         wanted = list(dict.fromkeys(places))
         values, signs = numbers_of(self._layout, self._block, wanted, decimal, self._label)
         notes = []
         if signs.thousands is not None:
-            sign = {".": "points", ",": "commas"}[signs.thousands]
-            notes.append(f"{sign} group thousands, '{signs.decimal}' is the decimal sign")
+            notes.append(said("points_group" if signs.thousands == POINT else "commas_group"))
         return [values[place] for place in places], notes
 
     def quantities(
@@ -267,8 +263,8 @@ class SourceTable:
         At least one.
     encoding, delimiter : str
         As words: "utf-8", "semicolons".
-    notes : tuple of str
-        What was left out or inferred, as sentences.
+    notes : tuple of Sentence
+        What was left out or inferred.
     comments : tuple of str
         The comments above the first rows, without their marks.
     """
@@ -277,25 +273,27 @@ class SourceTable:
     sections: tuple[Section, ...]
     encoding: str
     delimiter: str
-    notes: tuple[str, ...]
+    notes: tuple[Sentence, ...]
     comments: tuple[str, ...]
 
     @property
-    def about(self) -> str:
+    def about(self) -> Sentence:
         """One line that says what was recognised.
 
-        Such as ``Tracker export, two tracks: right ball, left ball``.
+        Such as ``Tracker export, 2 tracks: right ball, left ball``.
         """
-        words = [self.kind]
+        words: list[str] = [Word(self.kind)]
         first = self.sections[0]
+        names = listed([section.name for section in self.sections])
+        count = len(first.tracks)
         if len(self.sections) > 1:
-            names = listed([section.name for section in self.sections])
-            words.append(f"{counted(len(self.sections), 'section')}: {names}")
+            words.append(said("sections", count=len(self.sections), names=names))
         elif first.tracks:
-            words.append(f"{counted(len(first.tracks), 'track')}: {listed(first.tracks)}")
+            rule = "one_track" if count == 1 else "tracks"
+            words.append(said(rule, count=count, names=listed(first.tracks)))
         if not any(column.name for column in first.columns):
-            words.append("no names")
-        return ", ".join(words)
+            words.append(said("no_names"))
+        return joined(words, ", ")
 
     def section(self, name: str | None = None) -> Section:
         """Return a section by its name or its number from 1; by default the only one.
@@ -309,15 +307,13 @@ class SourceTable:
         if name is None:
             if len(names) == 1:
                 return self.sections[0]
-            raise InputError(
-                f"it holds {len(names)} tables: {listed(names)}",
-                way_out=f"choose one, as in section = '{names[0]}'",
-            )
+            values = {"count": len(names), "names": listed(names), "first": names[0]}
+            raise broken("several_tables", values)
         if name in names:
             return self.sections[names.index(name)]
         if name.isdigit() and 0 < int(name) <= len(names):
             return self.sections[int(name) - 1]
-        raise InputError(f"it has no section '{name}'", way_out=suggest(name, names))
+        raise broken("no_section", {"name": name}, way_out=suggest(name, names))
 
     def to_dict(self, rows: int = 5) -> dict[str, Any]:
         """Return everything but the body as plain values, for JSON.
@@ -391,7 +387,7 @@ def read_source(path: str | Path, *, decimal: str | None = None) -> SourceTable:
         raise FileNotFoundError(f"there is no file '{path}'")
     with reading(path):
         if path.stat().st_size > LARGEST:
-            raise InputError(f"it is larger than {LARGEST // 1_000_000} MB", way_out="cut it")
+            raise broken("large_file", {"size": LARGEST // 1_000_000})
         return parse_source(path.read_bytes(), path.name, decimal=decimal)
 
 
@@ -418,15 +414,15 @@ def parse_source(raw: bytes, name: str = "", *, decimal: str | None = None) -> S
             refusals.append(error)
     if not tables:
         raise refusals[0]
-    notes: list[str] = []
+    notes: list[Sentence] = []
     main = [each for each in tables if Path(each).stem.lower() in _MAIN]
     if len(tables) > 1 and len(main) == 1:
         others = ", ".join(each for each in tables if each != main[0])
-        notes.append(f"read '{main[0]}', not {others}")
+        notes.append(said("read_sheet", name=main[0], others=others))
         tables = {main[0]: tables[main[0]]}
     sections: list[Section] = []
     for name, found in tables.items():
-        notes += [f"{name}: {note}" if name else note for note in found.notes]
+        notes += [joined([name, note], ": ") if name else note for note in found.notes]
         for section in found.sections:
             title = ": ".join(filter(None, (name if len(tables) > 1 else "", section.name)))
             sections.append(replace(section, name=title))
@@ -448,7 +444,7 @@ class _Found(NamedTuple):
     sections: list[Section]
     kind: str
     delimiter: str
-    notes: list[str]
+    notes: list[Sentence]
 
 
 def _sections_of(part: Part, decimal: str | None) -> _Found:
@@ -472,19 +468,13 @@ def _sections_of(part: Part, decimal: str | None) -> _Found:
     if decimal != "." and is_comma_both(layout, named):
         _refuse_comma(layout, named)
     if layout.delimiter == BLANKS and 0 < named < layout.width:
-        raise InputError(
-            f"it has {named} names above {layout.width} columns that blanks separate",
-            way_out="write names without blanks, also one above row numbers, or export it with "
-            "semicolons or tabs",
-        )
+        raise broken("blanks_in_names", {"names": named, "columns": layout.width})
     other = other_delimiter(layout)
     if other is not None and not (headers[0].is_own and named == layout.width):
         first = int(layout.blocks[0].rows[0])
-        raise InputError(
-            f"its rows could be separated by {delimiter_name(layout.delimiter)} or "
-            f"{delimiter_name(other)}: line {lines.numbers[first]} is '{lines.line(first)[:40]}'",
-            way_out="export it with semicolons or tabs",
-        )
+        signs = {"one": delimiter_name(layout.delimiter), "other": delimiter_name(other)}
+        place = {"line": lines.numbers[first], "text": lines.line(first)[:40]}
+        raise broken("two_delimiters", signs | place)
     kind, units = kind_of_file(
         [line.text for line in header_lines[0]], [each.name for each in headers[0].headings]
     )
@@ -534,7 +524,7 @@ def _column_of_objects(section: Section) -> SourceColumn | None:
     return next((by_name[name] for name in _OBJECTS if name in by_name), None)
 
 
-def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> list[Rows]:
+def _objects_of(section: Section, column: SourceColumn, notes: list[Sentence]) -> list[Rows]:
     """Return the rows of each object; note those of none."""
     objects: dict[str, Rows] = {}
     left_out = 0
@@ -549,12 +539,10 @@ def _objects_of(section: Section, column: SourceColumn, notes: list[str]) -> lis
         rows.lines.append(line)
         rows.cells.append(cells)
         if len(objects) > _MOST_OBJECTS:
-            raise InputError(
-                f"column {column.label} names more than {_MOST_OBJECTS} objects",
-                way_out="keep the rows of one or two",
-            )
+            raise broken("many_objects", {"column": column.label, "count": _MOST_OBJECTS})
     if left_out:
-        notes.append(f"{counted(left_out, 'row')} without {column.label} left out")
+        rule = "row_of_none" if left_out == 1 else "rows_of_none"
+        notes.append(said(rule, count=left_out, column=column.label))
     return list(objects.values())
 
 
@@ -562,10 +550,7 @@ def _joined(first: Section, objects: list[Rows], column: SourceColumn | None) ->
     """Return a section with the numbers of all objects, without the column that names them."""
     shared = _shared(first)
     if not shared:
-        raise InputError(
-            f"it holds {len(objects)} objects below each other without a time",
-            way_out="add a column of times or of frame numbers",
-        )
+        raise broken("no_common_time", {"count": len(objects)})
     own = [
         place
         for place, each in enumerate(first.columns)
@@ -599,30 +584,20 @@ def _names_width(layout: Layout, header: list[HeaderLine]) -> int:
             widths.append(len(cells))
         elif line is header[-1] and layout.delimiter != BLANKS and all(cells):
             first = layout.lines.numbers[layout.blocks[0].rows[0]]
-            raise InputError(
-                f"line {first} has {len(layout.columns)} cells below {len(cells)} names",
-                way_out="complete the rows, or remove names without a column",
-            )
+            counts = {"cells": len(layout.columns), "names": len(cells)}
+            raise broken("fewer_cells", {"line": first} | counts)
     return max(widths)
 
 
 def _refuse_comma(layout: Layout, named: int) -> None:
     """Raise the error for a comma that could be both delimiter and decimal sign."""
     first = int(layout.blocks[0].rows[0])
-    shown = layout.lines.line(first)
-    below = f"{named} names" if named else "no names"
-    raise InputError(
-        "the comma seems to be delimiter and {parameter} sign at once, or to group thousands: line "
-        f"{layout.lines.numbers[first]} is '{shown[:40]}' below {below}",
-        parameter="decimal",
-        way_out="export it with semicolons or tabs, or with decimal points; if its numbers are "
-        "whole, give decimal = '.'",
-    )
+    names = said("names_above", count=named) if named else said("no_names")
+    place = {"line": layout.lines.numbers[first], "text": layout.lines.line(first)[:40]}
+    raise broken("comma_both", place | {"names": names}, parameter="decimal")
 
 
-def _column_of(
-    layout: Layout, place: int, heading: Heading, units: Mapping[str, tuple[str, str]]
-) -> SourceColumn:
+def _column_of(layout: Layout, place: int, heading: Heading, units: Units) -> SourceColumn:
     """Return a column with what header, cells and the kind of the export say about it."""
     cells = layout.columns[place]
     held = cells.counts.keys() - {"empty", "missing"}
@@ -663,11 +638,4 @@ def listed(names: Sequence[str]) -> str:
     """
     more = len(names) - _MOST_LISTED
     shown = ", ".join(names[:_MOST_LISTED])
-    return f"{shown} and {more} more" if more > 0 else shown
-
-
-def counted(count: int, noun: str) -> str:
-    """Return a number of things in words."""
-    words = ("no", "one", "two", "three", "four", "five", "six")
-    number = words[count] if count < len(words) else str(count)
-    return f"{number} {noun}{'s' * (count != 1)}"
+    return said("and_more", names=shown, count=more) if more > 0 else shown

@@ -92,12 +92,13 @@ export function ruleText(rule, part) {
 }
 
 /**
- * Return numbers with decimal points as the language of the page writes them.
+ * Return numbers with decimal points as the language of the page writes them; what stands in quotes is as
+ * somebody wrote it.
  * @param {string} text
  * @returns {string}
  */
 export function local(text) {
-  return spoken.hasComma ? text.replace(/(\d)\.(?=\d)/g, "$1,") : text;
+  return spoken.hasComma ? text.replace(/'[^']*'|(\d)\.(?=\d)/g, (all, digit) => (digit ? `${digit},` : all)) : text;
 }
 
 /**

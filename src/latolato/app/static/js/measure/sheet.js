@@ -1,18 +1,20 @@
 /** A table of another program before it is imported: what was recognised, and what its columns are. */
 
 import { el, freshId } from "../page/dom.js";
+import { sentenceInLanguage } from "../page/refusals.js";
 import { shownUnit } from "../page/unit_text.js";
-import { capitalised, ENGLISH, t } from "../strings.js";
+import { capitalised, t } from "../strings.js";
 
 /**
- * @typedef {{position: number, name: string, path: string, unit: string, unit_from: string,
+ * @typedef {import("../model/rules.js").Sentence} Sentence
+ * @typedef {{position: number, name: string, path: string, unit: string, unit_from: Sentence | string,
  *   kind: string}} SheetColumn
  * @typedef {{name: string, rows: number, first_rows: string[][], columns: SheetColumn[],
- *   roles: Record<string, number>, question: string | null}} Part
+ *   roles: Record<string, number>, question: Sentence | null}} Part
  *
  * What the server recognised, and what somebody chose: which part of the file, and what each column
  * is and in which unit, by its position.
- * @typedef {{about: string, notes: string[], parts: Part[], isOwn: boolean, part: number,
+ * @typedef {{about: Sentence, notes: Sentence[], parts: Part[], isOwn: boolean, part: number,
  *   roles: Record<number, string>, units: Record<number, string>,
  *   angleFrom: string, yAxis: string, decimal: string}} Sheet
  */
@@ -140,15 +142,15 @@ export class SheetCard {
     const { rows, first_rows: first, columns, question } = parts[part];
     this.heads = [];
     const sentence = (/** @type {string} */ kind, /** @type {string} */ text) =>
-      el("p", { class: kind, lang: ENGLISH }, `${capitalised(text)}.`);
+      el("p", { class: kind }, `${capitalised(text)}.`);
     const heads = columns.map((column) => (isOwn ? el("th", { scope: "col" }, column.path)
       : this.head(column)));
     const body = first.map((row) => el("tr", {},
       ...columns.map(({ position }) => el("td", {}, row[position - 1]))));
     this.root.replaceChildren(el("h2", {}, t("sheet")),
-      isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", about),
-      ...notes.map((text) => sentence("hint", text)),
-      question === null || isOwn ? "" : sentence("hint", this.inWords(question)),
+      isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", sentenceInLanguage(about)),
+      ...notes.map((note) => sentence("hint", sentenceInLanguage(note))),
+      question === null || isOwn ? "" : sentence("hint", this.inWords(sentenceInLanguage(question))),
       parts.length > 1 ? this.choice(sheet) : "",
       isOwn ? "" : el("p", { class: "hint" }, t("sheetHint")),
       el("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": t("sheet") },
