@@ -99,6 +99,8 @@ def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
     assert picture.evaluate("i => i.decode().then(() => i.naturalWidth)") > 300
     # The styles of the page are used, and nothing is refused.
     assert page.locator("#fig03").evaluate("f => getComputedStyle(f).borderRadius") == "12px"
+    page.get_by_role("link", name="Back to the toy").click()
+    page.wait_for_selector("[data-runs]")
     assert faults == []
     context.close()
 
