@@ -6,7 +6,7 @@ import { codeBlocks } from "../page/code.js";
 import { el } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { followKeys, KeyList } from "../page/keys.js";
-import { leaveOut, sentence, waysOn } from "../page/link_parts.js";
+import { leaveOut, sentence, waysBack } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
 import { t } from "../strings.js";
 import { misread, openInPlay, requestOf, sameBut, sourceOf, USUAL_SIZE, withMapNamed } from "./address.js";
@@ -277,7 +277,7 @@ export class MapView {
     const own = error instanceof InputError ? error.about.fields ?? [] : [];
     this.controls.refuse(said, field === null ? own : [...own, field]);
     this.page.messages.show("map", said,
-      { stays: true, isBad: true, actions: waysOn({ ...this.page, registry }, error) });
+      { stays: true, isBad: true, actions: waysBack(this.page) });
     // It is refused again where the map is shown again.
     this.asked = null;
     if (field && this.form.fields.has(field)) this.form.error(text, field);

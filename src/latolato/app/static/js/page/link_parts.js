@@ -1,9 +1,7 @@
 /** Which parts of a link there are: the others are left out, and named on the stage. */
 
-import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
 import { inPagesWords } from "./refusals.js";
-import { short, shownUnit } from "./unit_text.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Page} Page */
@@ -87,41 +85,14 @@ export function stopped(text) {
 }
 
 /**
- * Return the value next to one that lies beyond the range of its option, as the option's text and as
- * people read it; null where no value is the next one.
- * @param {Registry} registry
- * @param {Error} error
- * @returns {{name: string, text: string, shown: string} | null}
- */
-export function nearestAllowed(registry, error) {
-  if (!(error instanceof InputError) || !error.parameter) return null;
-  const { parameter: name, about: { value } } = error;
-  const option = registry.options[name];
-  if (!option || !Number.isFinite(Number(value)) || typeof value === "string") return null;
-  const end = [option.low, option.high].find((each, k) => each !== null
-    && (k ? Number(value) > each : Number(value) < each)
-    && option.limits.some((limit) => limit.end === each && !limit.is_open));
-  if (end === null || end === undefined) return null;
-  const unit = option.units[0] ?? { name: "", size: 1 };
-  const number = short(end / unit.size);
-  const isPlain = !unit.name || unit.name === "1";
-  return { name, text: isPlain ? number : `${number} ${unit.name}`,
-    shown: `${number} ${shownUnit(unit.name)}`.trim() };
-}
-
-/**
- * The actions that can help with a refused run.
+ * The ways back from a refused run.
  * @param {Page} page
- * @param {Error} error
  * @returns {import("./messages.js").MessageAction[]}
  */
-export function waysOn({ registry, store }, error) {
-  const nearest = nearestAllowed(registry, error);
+export function waysBack({ store }) {
   const { scenario, options } = store.state;
   const hasPreset = (scenario !== null || !options.system) && Object.keys(options).length > 0;
   return [
-    ...(nearest ? [{ label: t("takeNearest", { value: nearest.shown }),
-      act: () => store.option(nearest.name, nearest.text) }] : []),
     ...(store.canGoBack ? [{ label: t("undo"), act: () => history.back() }] : []),
     ...(hasPreset ? [{ label: t("resetToPreset"), act: () => store.set({ options: {} }, "preset") }] : []),
   ];

@@ -114,11 +114,7 @@ export class Curves {
     if (this.follows && !motion.grows) this.span = this.spanAt(this.clock.time);
     this.onSpan(...this.span);
     const tasks = this.charts.map((chart, i) => () => {
-      chart.curves = all[i];
-      chart.plot.batch(() => {
-        chart.plot.setData(dataOf(motion, chart.curves), false);
-        chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
-      });
+      this.fill(chart, all[i]);
       this.placeLater();
       this.read(this.clock.time);
     });
@@ -302,14 +298,22 @@ export class Curves {
     this.pictures = (this.pictures + 1) % PICTURES;
     if (this.pictures && this.clock.playing) return;
     this.span = lastOf(motion);
-    for (const chart of this.charts) {
-      chart.curves = chart.panel.curves(motion);
-      chart.plot.batch(() => {
-        chart.plot.setData(dataOf(motion, chart.curves), false);
-        chart.plot.setScale("x", { min: this.span[0], max: this.span[1] });
-      });
-    }
+    for (const chart of this.charts) this.fill(chart, chart.panel.curves(motion));
     this.placeLater();
+  }
+
+  /**
+   * Draw the stretch on show of curves in their chart.
+   * @param {Curves["charts"][number]} chart
+   * @param {Curve[]} curves
+   */
+  fill(chart, curves) {
+    chart.curves = curves;
+    const [min, max] = this.span;
+    chart.plot.batch(() => {
+      chart.plot.setData(dataOf(/** @type {Motion} */ (this.motion), curves), false);
+      chart.plot.setScale("x", { min, max });
+    });
   }
 
   /** @param {number} time */
