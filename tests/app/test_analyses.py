@@ -10,6 +10,7 @@ import xarray as xr
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
+from app_pages import enter
 from app_server import frames_of
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
@@ -307,8 +308,7 @@ def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_p
     caught.value.save_as(path)
     xr.testing.assert_equal(load(path), wanted)
     order = page.get_by_label("Order", exact=True)
-    order.fill("none")
-    order.press("Enter")
+    enter(order, "none")
     page.get_by_role("alert").filter(has_text="“none” is not a number").wait_for()
     assert "none" not in page.url
     assert "analyse.what=tongue_edges" in page.url
@@ -367,13 +367,6 @@ def test_an_unknown_analysis_and_setting_of_the_address_are_told_and_left_out(pa
     page.get_by_role("heading", name="Choose an analysis").wait_for()
 
 
-def test_an_analysis_of_two_balls_says_why_it_is_not_of_one(page):
-    page.goto("/?view=analyse&scenario=kapitza&analyse.what=self_start&analyse.ask=1")
-    page.get_by_role("alert").filter(has_text="use a LatoLato or BallPair").wait_for(
-        timeout=240_000
-    )
-
-
 def test_work_that_was_stopped_leaves_no_result(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins"
               "&analyse.angle_points=300&analyse.velocity_points=300&analyse.ask=1")  # fmt: skip
@@ -381,16 +374,6 @@ def test_work_that_was_stopped_leaves_no_result(page):
     page.get_by_role("button", name="Cancel").click()
     page.get_by_text("Its picture will appear here").wait_for()
     assert not page.get_by_role("progressbar").is_visible()
-
-
-def test_values_that_contradict_each_other_are_refused_in_the_units_of_the_page(page, watch):
-    page.goto("/?view=analyse&scenario=toy&length=1.5+cm")
-    notice = page.locator(".notice")
-    notice.wait_for()
-    assert notice.text_content() == (
-        "“radius of one ball” must be at least 0 mm and below the length, got 18; give less than 15"
-    )
-    watch.faults.clear()  # the server refuses the request
 
 
 def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
@@ -408,16 +391,21 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
 @pytest.mark.parametrize(
     "query, text",
     [
-        ("scenario=fig02&analyse.what=impact_map&analyse.ask=1",
+        ("lang=en&scenario=kapitza&analyse.what=self_start&analyse.ask=1",
+         "use a LatoLato or BallPair"),
+        ("lang=en&scenario=toy&length=1.5+cm",
+         "“radius of one ball” must be at least 0 mm and below the length, got 18; give less "
+         "than 15"),
+        ("lang=id&scenario=fig02&analyse.what=impact_map&analyse.ask=1",
          "Peta tumbukan membutuhkan dinding, dan Pendulum tidak punya; pakai LatoLato"),
-        ("scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
+        ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
          "harus 0 untuk bola yang menggantung lurus ke bawah"),
-        ("scenario=toy&length=1.5+cm",
+        ("lang=id&scenario=toy&length=1.5+cm",
          "tetapi diberikan 18; "),
     ],
 )  # fmt: skip
-def test_refusals_are_in_the_language_of_the_page(page, query, text, watch):
-    page.goto(f"/?view=analyse&lang=id&{query}")
+def test_refusals_are_in_the_words_and_the_language_of_the_page(page, query, text, watch):
+    page.goto(f"/?view=analyse&{query}")
     page.locator(".error, .notice").filter(has_text=text, visible=True).first.wait_for(
         timeout=240_000
     )
@@ -433,13 +421,11 @@ def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, pro
     page.wait_for_selector("[data-form]")
     field = page.locator(".settings").get_by_label("Low", exact=True)
     before = field.input_value()
-    field.fill(typed)
-    field.press("Enter")
+    enter(field, typed)
     line = page.locator(".settings").get_by_role("alert").filter(visible=True)
     line.get_by_text(problem).wait_for()
     assert field.get_attribute("aria-invalid") == "true"
-    field.fill(before)
-    field.press("Enter")
+    enter(field, before)
     assert line.count() == 0
 
 
@@ -466,18 +452,15 @@ def test_fields_show_the_units_of_the_other_views(page):
     )
     # An address without a unit is in radians.
     assert lasting.input_value() == "28.6479"
-    lasting.fill("400")
-    lasting.press("Enter")
+    enter(lasting, "400")
     page.get_by_text("must be above 0° and at most 180°").wait_for()
-    lasting.fill("45,5")
-    lasting.press("Enter")
+    enter(lasting, "45,5")
     page.wait_for_url("**analyse.sustained_angle=45.5+deg**")
     for typed, asked, shown, read in (
         ("0 : 0.5 rad : 3", "0 deg : 0.5 rad : 3", "0 : 28.6479 : 3", [0.0, 0.25, 0.5]),
         ("0, 90", "0 deg, 90 deg", "0, 90", [0.0, np.pi / 2]),
     ):
-        phases.fill(typed)
-        phases.press("Enter")
+        enter(phases, typed)
         page.wait_for_function(
             "(text) => new URLSearchParams(location.search).get('analyse.drive_phase') === text",
             arg=asked,
@@ -488,8 +471,7 @@ def test_fields_show_the_units_of_the_other_views(page):
         assert AnalysisRequest.from_json(given).arguments()["drive_phase"] == pytest.approx(read)
     page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
     amplitude = page.locator(".settings").get_by_label(label_of("drive_amplitude", "m"), exact=True)
-    amplitude.fill("50")
-    amplitude.press("Enter")
+    enter(amplitude, "50")
     page.wait_for_url("**analyse.drive_amplitude=50+mm**")
 
 

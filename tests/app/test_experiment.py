@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import enter
 from browser_checks import serious_faults
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -38,8 +39,7 @@ def uploaded(page, path):
 
 def fill(page, label, text):
     field = page.get_by_label(label, exact=False).first
-    field.fill(text)
-    field.press("Enter")
+    enter(field, text)
 
 
 DRAWN = """async frame => {
@@ -206,12 +206,12 @@ def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
     state(page, "empty")
 
 
-def test_a_file_that_is_no_video_is_told_in_one_line(page, tmp_path):
+def test_a_file_that_is_no_video_is_told_in_one_line_of_the_page_s_language(page, tmp_path):
     path = tmp_path / "note.mp4"
     path.write_text("hello")
-    page.goto("/?view=measure")
-    page.get_by_label("Drop a video or a table here, or choose one").set_input_files(path)
-    alert = page.get_by_role("alert").filter(has_text="note.mp4: it cannot be read as a video")
-    alert.wait_for(timeout=PATIENCE)
-    page.get_by_role("button", name="Remove note.mp4").click()
+    page.goto("/?view=measure&lang=id")
+    page.get_by_label("Seret video atau tabel ke sini, atau pilih satu").set_input_files(path)
+    words = "note.mp4: berkas ini tidak dapat dibaca sebagai video"
+    page.get_by_role("alert").filter(has_text=words).wait_for(timeout=PATIENCE)
+    page.get_by_role("button", name="Hapus note.mp4").click()
     state(page, "empty")

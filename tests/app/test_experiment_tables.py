@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import enter
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.app import STATIC
 from spreadsheets import workbook
@@ -93,8 +94,7 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
     page.get_by_text("angles from positions need the pivot").wait_for(timeout=PATIENCE)
     for axis in "xy":
         field = page.get_by_label(f"{axis} of the pivot", exact=True).filter(visible=True).last
-        field.fill("0")
-        field.press("Enter")
+        enter(field, "0")
     used(page)
     assert page.locator(".clip-box").filter(visible=True).count() == 0
     angles = page.evaluate(
@@ -123,8 +123,7 @@ def test_a_recording_of_phyphox_gives_the_angle_of_its_gyroscope(page, run, tmp_
     assert found_length(page) == pytest.approx(LENGTH, rel=0.01)
     # A fit is done again with other values, and the set-up changed after that.
     mass = page.get_by_label("mass of one ball", exact=False).first
-    mass.fill("100")
-    mass.press("Enter")
+    enter(mass, "100")
     page.locator("[data-fit=decay]").get_by_role("button", name="Fit again").click()
     damping = page.locator("[data-fit=decay] [data-name=damping]").first
     damping.wait_for(timeout=PATIENCE)
@@ -188,8 +187,7 @@ def test_frames_ask_for_their_rate_and_directions_for_theirs(page, angle, tmp_pa
     dropped(page, path)
     page.get_by_text("It has frame numbers and no time.").wait_for()
     rate = page.get_by_label("frames per second")
-    rate.fill("50")
-    rate.press("Enter")
+    enter(rate, "50")
     page.get_by_label("angles counted from").select_option("the x axis")
     used(page)
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
@@ -203,8 +201,7 @@ def test_a_spreadsheet_of_frames_without_numbers_asks_for_their_rate(page, angle
     dropped(page, path)
     page.get_by_text("is not clear which column is time").wait_for()
     rate = page.get_by_label("frames per second")
-    rate.fill("50")
-    rate.press("Enter")
+    enter(rate, "50")
     used(page)
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
 

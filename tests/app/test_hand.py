@@ -6,6 +6,7 @@ import math
 
 import pytest
 
+from app_pages import enter
 from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
 
 # Whether a ball has swung so far, in degrees.
@@ -188,8 +189,7 @@ def test_a_refused_control_is_mended_in_its_field(page):
     page.evaluate("() => window.latolato.views.toy.page.store.option('restitution', '2')")
     page.locator(".message").get_by_text("must lie between 0 and 1").wait_for()
     knob = page.locator(".toy").get_by_label("Bounciness e")
-    knob.fill("0.5")
-    knob.press("Enter")
+    enter(knob, "0.5")
     wait_for_toy(page, "toy?.controls.restitution === 0.5")
 
 

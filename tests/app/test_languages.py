@@ -16,6 +16,7 @@ from typing import Any
 
 import pytest
 
+from app_pages import enter
 from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
@@ -344,8 +345,7 @@ def test_a_refusal_stands_in_the_language_of_the_page(page):
     spoken(page)
     page.get_by_text("Parameter lain", exact=True).click()
     field = page.get_by_label("jari-jari satu bola", exact=False).first
-    field.fill("2000")
-    field.press("Enter")
+    enter(field, "2000")
     page.get_by_text(
         "“jari-jari satu bola” harus sedikitnya 0 mm dan di bawah panjang, tetapi diberikan 2000"
     ).first.wait_for()

@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import enter
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
@@ -30,11 +31,6 @@ def next_map(page):
     number = int(page.locator("[data-done]").get_attribute("data-done"))
     yield
     page.wait_for_selector(f"[data-done='{number + 1}']", timeout=PATIENCE)
-
-
-def typed(field, text):
-    field.fill(text)
-    field.press("Enter")
 
 
 PIXELS = """() => {
@@ -199,7 +195,7 @@ def test_a_box_is_computed_in_full_back_returns_and_an_axis_gets_logarithmic(pag
     page.get_by_text("Python and command line").click()
     assert "np.geomspace(0.005, 0.5, 24)" in page.locator("pre").first.inner_text()
     low = page.get_by_label("from", exact=True).nth(1)
-    typed(low, "0")
+    enter(low, "0")
     page.locator(".message").get_by_text("a logarithmic axis must begin above zero").wait_for()
 
 
@@ -237,7 +233,7 @@ def test_trials_and_contours_at_values_typed_by_hand_lie_where_they_belong(page,
     levels = page.get_by_label("Contour lines at these values", exact=False)
     page.wait_for_function("() => window.latolato.views.map.chart.contours.length > 0")
     assert levels.get_attribute("placeholder") == "50, 100, 150"
-    typed(levels, "45, 100 deg")
+    enter(levels, "45, 100 deg")
     page.wait_for_function("() => location.search.includes('map.levels=')")
     page.wait_for_function(
         "() => window.latolato.views.map.chart.contours.some(c => c.text === '100°')"
@@ -281,13 +277,13 @@ def test_trials_and_contours_at_values_typed_by_hand_lie_where_they_belong(page,
     np.testing.assert_allclose(between, found["level"], rtol=1e-5)
     # The field explains levels that cannot be read, and the server is not asked.
     alert = page.get_by_role("alert")
-    typed(levels, "45,,90")
+    enter(levels, "45,,90")
     alert.get_by_text("“45,,90” is not a number in °.").wait_for()
     assert levels.get_attribute("aria-invalid") == "true"
     # The test fails where the console tells of a refusal.
-    typed(levels, ",".join(map(str, range(10, 31))))
+    enter(levels, ",".join(map(str, range(10, 31))))
     page.get_by_text("At most 20 contour lines, got 21 levels").wait_for()
-    typed(levels, "45, 90")
+    enter(levels, "45, 90")
     page.wait_for_function("() => location.search.includes('map.levels=')")
     assert levels.get_attribute("aria-invalid") == "false"
     assert alert.filter(visible=True).count() == 0
@@ -469,7 +465,7 @@ def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(page)
     for label, text, option, value in changes:
         field = page.locator(".form").get_by_label(label, exact=False).first
         with next_map(page):
-            typed(field, text)
+            enter(field, text)
         fixed[option] = pytest.approx(value)
         assert (source.input_value(), page.evaluate(FIXED)) == (name, fixed)
         assert "map.scenario=fig05_push" in page.url
@@ -495,14 +491,14 @@ def test_what_is_typed_is_read_or_refused_at_its_field_until_it_is_mended(page):
     for label, place, text, problem in REFUSED:
         field = page.get_by_label(label, exact=label != "leave out").nth(place)
         before = field.input_value()
-        typed(field, text)
+        enter(field, text)
         line.get_by_text(problem).wait_for()
         assert line.count() == 1
         assert field.get_attribute("aria-invalid") == "true"
         assert field.get_attribute("aria-describedby") == line.get_attribute("id")
         page.locator(".message").get_by_text(problem).wait_for()
         with next_map(page):
-            typed(field, before)
+            enter(field, before)
         assert line.count() == 0
         assert field.get_attribute("aria-invalid") == "false"
     low, high = (page.get_by_label(name, exact=True).nth(1) for name in ("from", "to"))
@@ -523,7 +519,7 @@ def test_what_is_typed_is_read_or_refused_at_its_field_until_it_is_mended(page):
     # Both ends typed at once stay, and one just typed when the axis is made logarithmic.
     with next_map(page):
         low.fill("1 cm")
-        typed(high, "20 cm")
+        enter(high, "20 cm")
     assert line.count() == 0
     assert page.evaluate(ends) == pytest.approx([0.01, 0.2])
     with next_map(page):

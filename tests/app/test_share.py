@@ -5,6 +5,8 @@ from __future__ import annotations
 import pytest
 from PIL import Image
 
+from app_pages import enter
+
 # How long a page may take to show its first run [ms].
 PATIENCE = 60_000
 READY = "[data-runs], [data-ready], [data-done]"
@@ -44,8 +46,7 @@ def test_the_link_is_copied(page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
     open_menu(page, "view=toy&scenario=toy")
     field = page.get_by_role("textbox", name="Bounciness")
-    field.fill("0.8")
-    field.press("Enter")
+    enter(field, "0.8")
     link = page.get_by_role("textbox", name="Link")
     assert link.input_value().endswith("/?view=toy&scenario=toy&restitution=0.8&map.size=8")
     page.get_by_role("button", name="Copy the link").click()

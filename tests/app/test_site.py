@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app_pages import launch
+from app_pages import enter, launch
 from browser_checks import serious_faults
 from firefox import firefox_page
 from latolato.app.forms import registry
@@ -310,8 +310,7 @@ def test_a_site_in_a_frame_leaves_the_back_button_to_the_page_around_it(visit, w
     field = frame.get_by_label("How far the hand moves A0")
     field.wait_for()
     entries = visit.evaluate("() => history.length")
-    field.fill("31")
-    field.press("Enter")
+    enter(field, "31")
     inside = next(each for each in visit.frames if "scenario=fig02" in each.url)
     inside.wait_for_function("() => location.search.includes('drive_amplitude=31')")
     assert visit.evaluate("() => history.length") == entries

@@ -15,6 +15,7 @@ import pytest
 
 import latolato as ll
 import story_numbers
+from app_pages import enter
 from browser_checks import SIZES, assert_panels_have_room, serious_faults
 from hanging import threshold_amplitude
 from latolato import analysis
@@ -579,15 +580,13 @@ def try_by_hand(page, name, step, language):
         for field, value in zip(
             fields, [field.input_value() for field in fields][::-1], strict=True
         ):
-            field.fill(value)
-            field.press("Enter")
+            enter(field, value)
         return
     if control == "timesNatural":
         field = page.locator(".knobs .entry .entry", has_text=label).get_by_role("textbox")
     else:
         field = page.get_by_role("textbox", name=re.compile(rf"^{label}(\s\S+)?$"))
-    field.fill(text)
-    field.press("Enter")
+    enter(field, text)
 
 
 @pytest.mark.parametrize("name, language", IN_OTHER)

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from app_pages import enter
 from latolato.app.site import write_site
 from site_in_node import answers_in_node
 
@@ -100,8 +101,7 @@ def test_a_map_of_strings_has_a_field_for_the_distance(page):
     page.wait_for_selector("[data-done='1']", timeout=PATIENCE)
     page.get_by_text("Parameters that do not vary").click()
     distance = page.get_by_label("distance from the pivot at the start", exact=False).first
-    distance.fill("12 cm")
-    distance.press("Enter")
+    enter(distance, "12 cm")
     page.wait_for_selector("[data-done='2']", timeout=PATIENCE)
     # Each ball falls for a while before its string is taut.
     assert page.evaluate("() => Math.min(...window.latolato.views.map.grid.values[0])") > 0.0

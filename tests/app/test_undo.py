@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import pytest
 
+from app_pages import enter
+
 # How long a page may take to show its first run or map [ms].
 PATIENCE = 60_000
 
@@ -16,8 +18,7 @@ def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
 
 def type_into(page, label, text):
     field = page.get_by_label(label, exact=False).first
-    field.fill(text)
-    field.press("Enter")
+    enter(field, text)
     return field
 
 
@@ -165,21 +166,3 @@ def test_many_quick_changes_stay_within_what_browsers_allow(page):
     )
     assert calls <= 100  # Safari allows 100 in 30 s
     assert last == "150 s"
-
-
-@pytest.mark.parametrize("hand", ["", "&toy.hand=1"])
-def test_space_plays_and_pauses_wherever_no_field_has_the_focus(page, hand):
-    page.goto(f"/?view=toy&scenario=toy{hand}")
-    page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
-    for focus in ("body", "canvas, main", "a.brand"):
-        before = page.locator(".transport .play").inner_text()
-        page.evaluate(
-            """(focus) => {
-              document.activeElement.blur();
-              document.querySelector(focus).focus();
-            }""",
-            focus,
-        )
-        page.keyboard.press("Space")
-        after = "Pause" if before == "Play" else "Play"
-        page.get_by_role("button", name=after, exact=True).wait_for()

@@ -64,6 +64,12 @@ def launch(kind: Any, *arguments: str) -> Any:
     return kind.launch(executable_path=path, args=[*_ARGUMENTS, *arguments])
 
 
+def enter(field: Any, text: str) -> None:
+    """Type a text into a field, and take it."""
+    field.fill(text)
+    field.press("Enter")
+
+
 @dataclass
 class Watch:
     """What went wrong on a page."""
