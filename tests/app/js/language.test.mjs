@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inLanguage, inPagesWords } from "../../../src/latolato/app/static/js/page/refusals.js";
+import { inLanguage, inPagesWords, warningsText } from "../../../src/latolato/app/static/js/page/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
 import { firstOf } from "../../../src/latolato/app/static/js/page/language.js";
 import { setLanguage, t, tr } from "../../../src/latolato/app/static/js/strings.js";
@@ -53,6 +53,10 @@ test("a label stands in one pair of quotes, and a question ends as one", () => {
   const lacks = brokenRule("needed", { parameter: "length" }, { law: "Chirp", unit: " [m]" });
   assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina” [m].");
   assert.equal(sentence(REGISTRY, new InputError("did you mean 'length'?")), "Did you mean 'length'?");
+});
+
+test("each warning ends before the next one begins", () => {
+  assert.equal(warningsText(["the ball was hidden", "It stopped."]), "Note: the ball was hidden. Note: It stopped.");
 });
 
 test("English has plural forms", () => {

@@ -1,7 +1,7 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
 import { el, refresh } from "../page/dom.js";
-import { stopped } from "../page/link_parts.js";
+import { stopped } from "../page/refusals.js";
 import { localShort, plainSymbol } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { firstStride, nameOf, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";

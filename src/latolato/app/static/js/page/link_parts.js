@@ -1,7 +1,7 @@
 /** Which parts of a link there are: the others are left out, and named on the stage. */
 
 import { t } from "../strings.js";
-import { inPagesWords } from "./refusals.js";
+import { inPagesWords, stopped } from "./refusals.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Page} Page */
@@ -74,14 +74,6 @@ function isKnown({ options, systems, drives }, name, text) {
 export function sentence(registry, error) {
   const [text] = inPagesWords(registry, error);
   return stopped(`${text.charAt(0).toUpperCase()}${text.slice(1)}`);
-}
-
-/**
- * Return a text that ends like a sentence.
- * @param {string} text
- */
-export function stopped(text) {
-  return /[.?!]$/.test(text) ? text : `${text}.`;
 }
 
 /**

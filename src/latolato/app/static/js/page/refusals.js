@@ -37,11 +37,19 @@ export function sentenceInLanguage(sentence) {
 }
 
 /**
+ * Return a text that ends like a sentence.
+ * @param {string} text
+ */
+export function stopped(text) {
+  return /[.?!]$/.test(text) ? text : `${text}.`;
+}
+
+/**
  * Return the warnings of a run as one text; those of the installed program are texts already.
  * @param {(string | import("../model/rules.js").Sentence)[]} warnings
  */
 export function warningsText(warnings) {
-  return warnings.map((each) => t("warning", { text: sentenceInLanguage(each) })).join(" ");
+  return warnings.map((each) => t("warning", { text: stopped(sentenceInLanguage(each)) })).join(" ");
 }
 
 /**

@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 import { axisLimits, SINGLE, UPRIGHT } from "./axis.js";
 import { colour } from "../page/dom.js";
 import { extremesUntil, pathOf } from "./traces.js";
-import { short } from "../page/unit_text.js";
+import { localShort, short } from "../page/unit_text.js";
 
 /** @typedef {import("./curves.js").Panel} Panel */
 /** @typedef {import("./traces.js").Curve} Curve */
@@ -64,8 +64,7 @@ export function chartOptions(owner, panel, curves) {
     },
     axes: [
       { ...axis, size: 30, values: (/** @type {any} */ _, /** @type {number[]} */ marks) =>
-        marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) })
-          : short(m))) },
+        marks.map((m, k) => (k === marks.length - 1 ? t("seconds", { count: short(m) }) : localShort(m))) },
       { ...axis, ...UPRIGHT },
       ...(right ? [{ ...axis, ...UPRIGHT, scale: "right", side: 1,
         stroke: paint(right.paint), grid: { show: false } }] : []),
