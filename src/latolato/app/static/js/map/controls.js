@@ -7,7 +7,7 @@ import { t } from "../strings.js";
 import { firstStride, nameOf, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
 import { variedBy } from "./choices.js";
 import { SCALES } from "./colours.js";
-import { choice, numberField, tick } from "./fields.js";
+import { choice, numberField, tick } from "../page/fields.js";
 import { OverControls } from "./overcontrols.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -83,7 +83,7 @@ export class MapControls {
    * Return the field of a number that the address has under a key.
    * @param {string} key
    * @param {string} label
-   * @param {import("./fields.js").Shown} quantity
+   * @param {import("../page/fields.js").Shown} quantity
    * @param {string} [hint]
    * @param {(value: number | null) => void} [take]
    */

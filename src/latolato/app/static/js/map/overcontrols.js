@@ -4,7 +4,7 @@ import { el, refresh } from "../page/dom.js";
 import { short } from "../page/unit_text.js";
 import { localList, t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
-import { choice, numberField, tick } from "./fields.js";
+import { choice, numberField, tick } from "../page/fields.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */

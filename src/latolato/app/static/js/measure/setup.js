@@ -1,7 +1,8 @@
 /** The description of a video or a table: scale, masses, camera, directions, how many balls. */
 
-import { el, freshId } from "../page/dom.js";
+import { el } from "../page/dom.js";
 import { readQuantity } from "../page/entry.js";
+import { choice, tick } from "../page/fields.js";
 import { Form } from "../page/form.js";
 import { leaveOut } from "../page/link_parts.js";
 import { short } from "../page/unit_text.js";
@@ -72,48 +73,42 @@ export class Setup {
     this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: fields }, own);
     this.isReady = false;
     const fieldOf = (/** @type {string} */ name) => this.form.numberField(name, fields[name], true);
-    const choice = (/** @type {string} */ label, /** @type {Record<string, string>} */ texts,
+    const choiceOf = (/** @type {string} */ label, /** @type {Record<string, string>} */ texts,
       /** @type {(value: string) => void} */ change) => {
-      const id = freshId();
-      const select = el("select", { id, on: { change: () => change(select.value) } },
-        ...Object.entries(texts).map(([value, text]) => el("option", { value }, text)));
-      return { select, field: el("div", { class: "field choice" },
-        el("label", { for: id }, t(label)), select) };
+      const made = choice(t(label), change, { isBeside: true });
+      made.show(Object.entries(texts).map(([value, text]) => ({ value, text })), "");
+      return made;
     };
-    const check = (/** @type {string} */ label, /** @type {(isOn: boolean) => void} */ change) => {
-      const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
-      return { box, field: el("label", { class: "check" }, box, t(label)) };
-    };
-    this.count = choice("ballCount", { 1: "1", 2: "2" }, (balls) => on.count(Number(balls)));
-    this.outside = check("pivotOutside", (isPivotOutside) => on.tool({ isPivotOutside }));
-    this.shape = choice("shape", { disc: t("shape_disc"), template: t("shape_template") },
+    this.count = choiceOf("ballCount", { 1: "1", 2: "2" }, (balls) => on.count(Number(balls)));
+    this.outside = tick(t("pivotOutside"), (isPivotOutside) => on.tool({ isPivotOutside }));
+    this.shape = choiceOf("shape", { disc: t("shape_disc"), template: t("shape_template") },
       (shape) => on.tool({ shape }));
-    this.hasRegion = check("hasRegion", (hasRegion) => on.tool({ hasRegion }));
-    this.hasStick = check("hasStick", (hasStick) => on.tool({ hasStick }));
+    this.hasRegion = tick(t("hasRegion"), (hasRegion) => on.tool({ hasRegion }));
+    this.hasStick = tick(t("hasStick"), (hasStick) => on.tool({ hasStick }));
     this.patch = fieldOf("patch");
     this.stickLength = fieldOf("stick_length");
-    this.angleFrom = choice("angleFrom", { down: t("angleFrom_down"), right: t("angleFrom_right") },
+    this.angleFrom = choiceOf("angleFrom", { down: t("angleFrom_down"), right: t("angleFrom_right") },
       (angleFrom) => on.sheet({ angleFrom }));
     // Without a sign, the reader of tables finds it.
     const signs = { "": t("decimal_found"), ".": t("decimal_point"), ",": t("decimal_comma") };
-    this.decimal = choice("decimal", signs, (decimal) => on.sheet({ decimal }));
+    this.decimal = choiceOf("decimal", signs, (decimal) => on.sheet({ decimal }));
     // Beside the refusal of a file that leaves it open.
-    this.sign = choice("decimal", signs, on.sign);
-    this.yDown = check("yDown", (isDown) => on.sheet({ yAxis: isDown ? "down" : "up" }));
+    this.sign = choiceOf("decimal", signs, on.sign);
+    this.yDown = tick(t("yDown"), (isDown) => on.sheet({ yAxis: isDown ? "down" : "up" }));
     this.rate = fieldOf("frame_rate");
     this.pivot = el("div", { class: "fields" }, el("p", { class: "hint" }, t("pivotHint")),
       ...PIVOT.map(fieldOf));
-    const camera = el("div", { class: "fields" }, this.shape.field, this.patch, this.hasStick.field,
-      this.stickLength, this.hasRegion.field, ...CAMERA.map(fieldOf));
+    const camera = el("div", { class: "fields" }, this.shape.root, this.patch, this.hasStick.root,
+      this.stickLength, this.hasRegion.root, ...CAMERA.map(fieldOf));
     const scale = el("p", { class: "hint" }, t("scaleHint"));
     this.sheetScale = el("p", { class: "hint" }, t("sheetScaleHint"));
     const quantities = el("div", { class: "fields", on: { change: () => this.tellWrong() } },
-      this.count.field, this.rate, this.pivot, this.angleFrom.field, this.yDown.field,
+      this.count.root, this.rate, this.pivot, this.angleFrom.root, this.yDown.root,
       ...FIRST.map(fieldOf), scale, this.sheetScale, this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
-        el("div", { class: "fields" }, camera, ...REST.map(fieldOf), this.decimal.field)));
+        el("div", { class: "fields" }, camera, ...REST.map(fieldOf), this.decimal.root)));
     /** What only videos have. */
-    this.ofVideo = [this.count.field, camera, scale];
+    this.ofVideo = [this.count.root, camera, scale];
     const button = (/** @type {string} */ name, /** @type {() => void} */ click,
       /** @type {string} */ kind = "") => el("button", { type: "button", class: kind,
       on: { click } }, t(name));
@@ -129,11 +124,11 @@ export class Setup {
     this.stage = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
     this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
-    this.body = el("div", { class: "fields" }, this.notice, this.outside.field, this.clock, this.hint,
+    this.body = el("div", { class: "fields" }, this.notice, this.outside.root, this.clock, this.hint,
       quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
     this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
-      this.busy, this.failed, this.sign.field, this.body);
+      this.busy, this.failed, this.sign.root, this.body);
   }
 
   /**
@@ -162,7 +157,7 @@ export class Setup {
     this.notice.textContent = t(clip.hasPivot ? "setupFound"
       : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
     this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside || sheet !== null;
-    this.outside.field.hidden = !isSetup || sheet !== null;
+    this.outside.root.hidden = !isSetup || sheet !== null;
     for (const part of this.ofVideo) part.hidden = sheet !== null;
     this.showSheet(sheet, isSetup);
     this.outside.box.checked = clip.isPivotOutside;
@@ -177,7 +172,7 @@ export class Setup {
     this.tellWrong();
     if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
     this.failed.hidden = !clip.error || isOwn;
-    this.sign.field.hidden = clip.field !== "decimal";
+    this.sign.root.hidden = clip.field !== "decimal";
     this.sign.select.value = sheet?.decimal ?? clip.decimal;
     // It begins with the name of a file.
     this.failed.textContent = isOwn ? "" : withLabels(clip.error ?? "", this.fields);
@@ -193,9 +188,9 @@ export class Setup {
     const open = sheet && isSetup && openOf(sheet);
     this.rate.hidden = !open || !open.frames;
     this.pivot.hidden = !open || !open.pivot;
-    this.angleFrom.field.hidden = !open || !open.angles;
-    this.yDown.field.hidden = !open || !open.heights;
-    this.decimal.field.hidden = !sheet || !isSetup || sheet.isOwn;
+    this.angleFrom.root.hidden = !open || !open.angles;
+    this.yDown.root.hidden = !open || !open.heights;
+    this.decimal.root.hidden = !sheet || !isSetup || sheet.isOwn;
     this.sheetScale.hidden = !sheet;
     this.angleFrom.select.value = sheet?.angleFrom ?? "down";
     this.yDown.box.checked = sheet?.yAxis === "down";

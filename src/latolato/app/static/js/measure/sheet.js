@@ -1,6 +1,7 @@
 /** A table of another program before it is imported: what was recognised, and what its columns are. */
 
-import { el, freshId } from "../page/dom.js";
+import { el } from "../page/dom.js";
+import { choice } from "../page/fields.js";
 import { sentenceInLanguage } from "../page/refusals.js";
 import { shownUnit } from "../page/unit_text.js";
 import { capitalised, t } from "../strings.js";
@@ -169,12 +170,9 @@ export class SheetCard {
 
   /** @param {Sheet} sheet */
   choice({ parts, part }) {
-    const id = freshId();
-    const select = el("select", { id, on: { change: () =>
-      this.changed({ part: Number(select.value) }) } },
-    ...parts.map(({ name }, k) => el("option", { value: String(k) }, name)));
-    select.value = String(part);
-    return el("div", { class: "field choice" }, el("label", { for: id }, t("sheetPart")), select);
+    const { root, show } = choice(t("sheetPart"), (value) => this.changed({ part: Number(value) }), { isBeside: true });
+    show(parts.map(({ name }, k) => ({ value: String(k), text: name })), String(part));
+    return root;
   }
 
   /**

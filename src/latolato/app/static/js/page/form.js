@@ -3,6 +3,7 @@
 import { t, tr } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { readEntry, readQuantity } from "./entry.js";
+import { choice } from "./fields.js";
 import { explanation, Knob, symbolOf } from "./knob.js";
 import { heldOptions, hungOn, START, textIn, withLaws, withOptions } from "./option_texts.js";
 import { localShort, short, shownUnit } from "./unit_text.js";
@@ -184,17 +185,15 @@ export class Form {
     const laws = Object.fromEntries(Object.entries(this.registry[`${part}s`]).filter(([name, law]) =>
       name === this.kinds[part] || /** @type {any} */ (law).options.every((/** @type {string} */ o) =>
         this.registry.options[o].default !== null || this.registry.options[o].usual !== null)));
-    const id = freshId();
-    const select = el("select", { id, on: { change: () => {
-      const kinds = { ...this.kinds, [part]: select.value };
+    const { root, select, show } = choice(t(part), (value) => {
+      const kinds = { ...this.kinds, [part]: value };
       this.set(withLaws(this.registry, heldOptions(this.registry, this.store.state.options, this.resolved,
         this.kinds, kinds), this.resolved, kinds.system, kinds.drive));
-    } } }, ...Object.entries(laws).map(([name, law]) =>
-      el("option", { value: name, title: /** @type {any} */ (law).description },
-        tr(/** @type {any} */ (law).title))));
-    select.value = this.kinds[part];
+    }, { isBeside: true });
+    show(Object.entries(laws).map(([value, { title, description }]) => ({ value, title: description, text: tr(title) })),
+      this.kinds[part]);
     this.fields.set(part, { read: () => { select.value = this.kinds[part]; }, error: () => {} });
-    return el("div", { class: "field choice" }, el("label", { for: id }, t(part)), select);
+    return root;
   }
 
   /** @param {string} name */
@@ -275,16 +274,14 @@ export class Form {
    * @param {string[]} choices
    */
   choiceField(name, option, choices) {
-    const [id, aboutId] = [freshId(), freshId()];
-    const select = el("select", { id, on: { change: () => (name === "suspension"
-      ? this.giveAll(hungOn(this.store.state.options, this.resolved, select.value))
-      : this.give(name, select.value)) } },
-      ...choices.map((each) => el("option", { value: each }, option.labels?.[each] ?? tr(each))));
-    const read = (/** @type {string | null} */ text) => { select.value = text ?? choices[0]; };
-    this.fields.set(name, { read, error: () => {} });
-    read(this.text(name));
-    return el("div", { class: "field choice" },
-      el("label", { for: id }, option.label || option.description), select, explanation(option, aboutId));
+    const { root, select, show } = choice(option.label || option.description, (value) => (name === "suspension"
+      ? this.giveAll(hungOn(this.store.state.options, this.resolved, value))
+      : this.give(name, value)), { isBeside: true });
+    show(choices.map((value) => ({ value, text: option.labels?.[value] ?? tr(value) })), this.text(name) ?? choices[0]);
+    this.fields.set(name, { read: (text) => { select.value = text ?? choices[0]; }, error: () => {} });
+    const about = explanation(option, freshId());
+    if (about) root.append(about);
+    return root;
   }
 
   /**

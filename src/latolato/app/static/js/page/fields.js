@@ -1,7 +1,7 @@
-/** Small fields of the Map view: a number in one unit, a choice, a switch. */
+/** Small fields: a number in one unit, a choice, a switch. */
 
-import { el, freshId, refresh } from "../page/dom.js";
-import { Knob } from "../page/knob.js";
+import { el, freshId, refresh } from "./dom.js";
+import { Knob } from "./knob.js";
 
 /** @typedef {{unit: string, units: {name: string, size: number}[]}} Shown the SI unit and those on show */
 
@@ -23,11 +23,12 @@ export function numberField(registry, label, { unit, units }, take, { hint = "",
  * Return a select with its label, and what fills it.
  * @param {string} label
  * @param {(value: string) => void} change
+ * @param {{isBeside?: boolean}} [how] whether the select stands beside its label, not below it
  */
-export function choice(label, change) {
+export function choice(label, change, { isBeside = false } = {}) {
   const id = freshId();
   const select = el("select", { id, on: { change: () => change(select.value) } });
-  const root = el("div", { class: "field preset" }, el("label", { for: id }, label), select);
+  const root = el("div", { class: isBeside ? "field choice" : "field preset" }, el("label", { for: id }, label), select);
   /**
    * Show these entries, of which one is chosen.
    * @param {{value: string, text: string, title?: string, group?: string}[]} entries
