@@ -262,6 +262,7 @@ def test_a_table_is_shown_in_another_language(page, angle, tmp_path):
     path = written(tmp_path / "swing.csv", "t (s),theta (rad)", TIME, angle)
     page.set_viewport_size({"width": 390, "height": 844})
     dropped(page, path, "&lang=id")
+    assert page.locator(".recognised .notice").inner_text() == "Tabel."
     head = page.get_by_label(texts["roleOf"].replace("{name}", "theta"))
     assert head.evaluate("e => e.selectedOptions[0].textContent") == texts["role_angle_1"]
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390
