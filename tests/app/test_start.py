@@ -166,17 +166,6 @@ def test_mirrored_balls_move_together_and_never_through_each_other(page):
     assert page.get_by_role("alert").count() == 0
 
 
-def test_a_ball_of_two_stops_at_the_other(page):
-    open_play(page, "&scenario=ballpair_asymmetric")
-    lead(page, 0, [0, -30, -80])
-    right, left = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
-    gap = of_player(page, "motion.about.attributes.contact_separation")
-    assert gap <= right - left < gap + math.radians(0.2)
-    release(page)
-    begun = of_player(page, "motion.pose(0).balls.map(({ angle }) => angle)")
-    assert begun == pytest.approx([right, left], abs=1e-6)
-
-
 def test_arrow_keys_change_the_start_and_say_so(page):
     open_play(page, "&scenario=toy&initial_angle=20 deg")
     stage = page.get_by_role("application")
@@ -227,14 +216,6 @@ def test_keys_of_a_left_ball_move_its_twin_and_are_not_listed_for_one(page):
     assert "where the ball starts" in keys
     assert "left ball" not in keys
     assert "initial_angle" not in page.url
-
-
-def test_keys_stop_where_the_balls_touch(page):
-    open_play(page, "&scenario=toy&initial_angle=8 deg")
-    page.get_by_role("application").press("ArrowLeft")
-    low = of_player(page, "motion.low")
-    page.get_by_text("The balls start at").wait_for(state="attached")
-    assert low <= math.radians(of_player(page, "start.degrees[0]")) < low + math.radians(0.1)
 
 
 def test_who_wants_little_motion_starts_a_run_without_playing_it(page):

@@ -284,11 +284,11 @@ class SourceTable:
         """
         words: list[str] = [Word(self.kind)]
         first = self.sections[0]
-        names = listed([section.name for section in self.sections])
-        count = len(first.tracks)
         if len(self.sections) > 1:
+            names = listed([section.name for section in self.sections])
             words.append(said("sections", count=len(self.sections), names=names))
         elif first.tracks:
+            count = len(first.tracks)
             rule = "one_track" if count == 1 else "tracks"
             words.append(said(rule, count=count, names=listed(first.tracks)))
         if not any(column.name for column in first.columns):
