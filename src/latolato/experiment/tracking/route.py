@@ -215,7 +215,9 @@ def find_route(
             left[frame] = empty
     tracks: list[Trajectory] = []
     for click, pivot in zip(clicks, pivots, strict=True):
-        if 0 <= number < len(left) and not _is_by_itself(left[number], click, copies, number):
+        if 0 <= number < len(left) and not _is_by_itself(
+            left[number], click, copies, number, radius
+        ):
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, colour)
@@ -305,7 +307,9 @@ def _meeting(times: np.ndarray, first: Trajectory, left: list[Blobs]) -> float:
     return float(times[near[0]]) if len(near) else math.nan
 
 
-def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies, number: int) -> bool:
+def _is_by_itself(
+    blobs: Blobs, click: np.ndarray, copies: Copies, number: int, radius: float | None
+) -> bool:
     """Return whether what is clicked moves by itself, or nothing moves there.
 
     A ball in a hand is a part of something long that mostly has another colour.
@@ -315,7 +319,7 @@ def _is_by_itself(blobs: Blobs, click: np.ndarray, copies: Copies, number: int) 
         return True
     at = int(np.argmin(away))
     if blobs.lengths[at] > _LONG * blobs.radii[at]:
-        own = copies.colour(number, click, 0.5 * blobs.radii[at])
+        own = copies.colour(number, click, radius or blobs.radii[at])
         if np.linalg.norm((own - blobs.colours[at]) * WEIGHTS) > ALIKE:
             return False
     return bool(away[at] < blobs.radii[at] + copies.shrink)
