@@ -19,17 +19,18 @@ from latolato.experiment.calibration.gravity import (
 from latolato.experiment.calibration.hinge import Hinge, find_hinge
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.swing import Motion
-from latolato.experiment.tracking.appearance import Colours, samples_for
+from latolato.experiment.tracking.appearance import Appearance, Colours, samples_for
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import fitting
 from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.link import Trajectory
-from latolato.experiment.tracking.paint import filled
+from latolato.experiment.tracking.paint import filled, turned
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
 from latolato.experiment.tracking.refine import contact_times
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
+from latolato.experiment.tracking.teach import Sighting, _learn_staying, _learn_turning
 from latolato.experiment.video import Frame
 
 # Luma of more pixels than are taken together, and chroma.
@@ -39,7 +40,8 @@ SHAPES = ((150, 202), (75, 101), (75, 101))
 def _drawn(radius, blur, paint):
     """Return how a ball of some colours is drawn."""
     paint = np.dstack([paint, np.ones(paint.shape[:2])]).astype(np.float32)
-    return kernels.Ball(radius, blur, paint, np.zeros((1, 1), np.float32), False)
+    none = np.zeros((1, 1, 4), np.float32)
+    return kernels.Ball(radius, blur, paint, none, none[..., 0], False)
 
 
 def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
@@ -263,6 +265,48 @@ def test_colours_that_vary_do_not_draw_a_disc_aside(is_spinning):
         steps.append(float(np.hypot(*np.linalg.solve(matrix, vector))))
     assert steps[0] < 1e-4
     assert steps[1] > 0.1
+
+
+def _lit(angle, side=61):
+    """Return the light of a ball with a bright stripe across its rod, darker on its left side."""
+    j, i = np.indices((side, side)) - side // 2
+    along = i * math.sin(angle) + j * math.cos(angle)
+    return 0.25 + 0.3 * np.exp(-((along / 4.0) ** 2)) + 0.008 * i
+
+
+def test_a_pattern_turns_with_the_rod_and_shading_stays():
+    mix = kernels.colour_coefficients("bt709", is_full_range=False)
+    colours = Colours(kernels.linear_light("srgb"), mix)
+    angles = np.linspace(-0.7, 0.7, 15)
+    frames, sightings = [], []
+    chroma, centre, pivot = np.full((31, 31), 128, np.uint8), np.full(2, 30.0), np.zeros(2)
+    for k, angle in enumerate(angles):
+        coded = 1.055 * _lit(angle) ** (1.0 / 2.4) - 0.055
+        luma = np.rint(16.0 + 219.0 * coded).astype(np.uint8)
+        frames.append(Frame(k, 0.03 * k, luma, chroma, chroma))
+        sightings.append(Sighting(k, centre, pivot, angle, 0.0, 1.0, np.zeros(2)))
+    paint, behind = np.zeros((35, 35, 3)), np.zeros((61, 61, 3), np.float32)
+    look = Appearance(colours, 14.0, 0.8, paint, behind, np.zeros(2, int), np.eye(3), 4.0)
+    left = {}
+    for learn in (_learn_staying, _learn_turning):
+        learn(look, frames, sightings)
+        look.whitened()
+        layer = look.ball(centre[None], centre - np.array([15.0, 50.0]), np.zeros(2, int), (61, 61))
+        # An angle of which no frame was seen.
+        inside = np.hypot(*(np.indices((61, 61)) - 30)) < 9.0
+        left[learn] = np.abs(layer[..., 0] - _lit(math.atan2(15.0, 50.0)))[inside].max()
+    assert left[_learn_turning] < 0.03
+    assert left[_learn_staying] > 0.1
+
+
+def test_colours_that_are_turned_back_and_forth_are_the_same():
+    paint = np.repeat(
+        gaussian_filter(np.random.default_rng(1).random((41, 41)), 3.0)[..., None], 3, -1
+    )
+    there = turned(turned(paint, 0.4), -0.4)
+    inside = np.hypot(*(np.indices((41, 41)) - 20)) < 15.0
+    assert np.abs(there - paint)[inside].max() < 5e-3
+    assert np.abs(turned(paint, 0.4) - paint)[inside].max() > 0.03
 
 
 def test_colours_of_grey_planes_are_linear_light():

@@ -78,12 +78,14 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
+    shading : numpy.ndarray, shape (row, column, 3), or None
+        Linear colour that is added to a paint that turns, and stays.
     variance : numpy.ndarray, shape (row, column)
         By how much more than the background's the whitened colours vary about the paint, each.
     body : numpy.ndarray of bool, shape (row, column), or None
         Which part of the paint is the bob, if it is no disc.
-    whiten, white_paint : numpy.ndarray
-        The matrix that makes residuals white, and the paint's colours times it.
+    whiten, white_paint, white_shading : numpy.ndarray
+        The matrix that makes residuals white, and the colours of paint and shading times it.
     """
 
     colours: Colours
@@ -97,10 +99,12 @@ class Appearance:
     exposure: float = 0.0
     radius_sigma: float = 0.0
     is_spinning: bool = False
+    shading: np.ndarray | None = None
     variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1), np.float32))
     body: np.ndarray | None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
+    white_shading: np.ndarray = field(init=False)
 
     def __post_init__(self) -> None:
         self.whiten = _UNCHANGED
@@ -117,6 +121,8 @@ class Appearance:
         share = np.ones(self.paint.shape[:2]) if self.body is None else self.body
         white = (self.paint @ self.whiten.T) * share[..., None]
         self.white_paint = np.dstack([white, share]).astype(np.float32)
+        shading = np.zeros((1, 1, 3)) if self.shading is None else self.shading @ self.whiten.T
+        self.white_shading = np.pad(shading, ((0, 0), (0, 0), (0, 1))).astype(np.float32)
 
     @property
     def reach(self) -> float:
@@ -134,7 +140,8 @@ class Appearance:
     @property
     def drawn(self) -> Ball:
         """How the kernels draw a ball, in whitened colours."""
-        return Ball(self.reach, self.blur, self.white_paint, self.variance, self.is_spinning)
+        paints = self.white_paint, self.white_shading
+        return Ball(self.reach, self.blur, *paints, self.variance, self.is_spinning)
 
     def ball(
         self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]

@@ -7,6 +7,7 @@ import math
 import numpy as np
 from scipy.ndimage import distance_transform_edt, find_objects, label, map_coordinates
 
+from latolato.experiment.opencv import import_cv2
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
 
@@ -85,6 +86,13 @@ def painted(
     paint = np.stack([map_coordinates(p, (y, x), float, 1, mode="nearest") for p in planes], -1)
     paint[np.hypot(i, j) > inner] = np.nan
     return paint
+
+
+def turned(paint: np.ndarray, turn: float) -> np.ndarray:
+    """Return colours (row, column, 3) about a centre turned back, as by `painted` [rad]."""
+    cv2, half = import_cv2(), (len(paint) - 1) / 2
+    back = cv2.getRotationMatrix2D((half, half), -math.degrees(turn), 1.0)
+    return np.asarray(cv2.warpAffine(paint, back, paint.shape[:2], borderMode=cv2.BORDER_REPLICATE))
 
 
 def learn_background(

@@ -14,7 +14,7 @@ from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, 
 from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
-from latolato.experiment.tracking.paint import filled, painted
+from latolato.experiment.tracking.paint import filled, painted, turned
 from latolato.experiment.video import Frame
 
 # Radius below which a ball has no edge to measure [pixels].
@@ -34,9 +34,9 @@ _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 _SLOW = 0.4
 # Balls around which noise is learned.
 _RINGS = 16
-# Share of what one kind of colours leaves unexplained that another may leave to be believed
-# instead: at first, and later.
-_TURNS, _STAYS = 0.8, 0.9
+# Share of what colours that stay leave unexplained below which a pattern turns: once balls are
+# found, 0.28 to 0.6 with a stripe, 0.8 and more without; how often pattern and shading are divided.
+_TURNS, _DIVIDED = 0.7, 4
 # The share of frames that tells how much colours vary: a pattern that moves past shows a pixel two
 # colours, the rarer one this rarely; and the mean square of three colours there, over its mean.
 _RARER, _AT_RARER = 0.8, 1.547
@@ -87,7 +87,7 @@ def learn_look(
     has_edge = look.body is None and look.radius >= SMALLEST_DISC
     if has_edge:
         _learn_edge(look, frames, teachers, sightings, arm, is_first)
-        _learn_paint(look, frames, teachers, arm, _TURNS if is_first else _STAYS)
+        _learn_paint(look, frames, teachers, arm)
     elif look.body is not None:
         learn_body(look, frames, teachers, medians)
     else:  # smears are longer than it, and hide its colours
@@ -99,17 +99,16 @@ def learn_look(
 
 
 def _learn_paint(
-    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float, share: float
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
 ) -> None:
-    """Learn the balls' colours, and whether they turn with the rod or stay as the light does.
+    """Learn the balls' colours, and whether some of them turn with the rod.
 
-    What was believed so far stays unless the other leaves less than a share of what it leaves.
+    A pattern that turns is believed in if colours that stay leave clearly more unexplained.
     """
     look.variance = np.zeros((1, 1), np.float32)
-    best: tuple[float, bool, np.ndarray] | None = None
-    for is_spinning in (look.is_spinning, not look.is_spinning):
-        look.is_spinning = is_spinning
-        look.paint = filled(np.median(_paints(look, frames, teachers), axis=0))
+    looks, costs = [], []
+    for learn in (_learn_staying, _learn_turning):
+        learn(look, frames, teachers)
         look.whitened()
         cost = sum(
             fit_balls(
@@ -118,23 +117,46 @@ def _learn_paint(
             ).cost
             for one in teachers
         )  # fmt: skip
-        if best is None or cost < share * best[0]:
-            best = (cost, is_spinning, look.paint)
-    assert best is not None
-    _, look.is_spinning, look.paint = best
+        looks.append((look.is_spinning, look.paint, look.shading))
+        costs.append(cost)
+    look.is_spinning, look.paint, look.shading = looks[costs[1] < _TURNS * costs[0]]
     look.whitened()
 
 
-def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> list[np.ndarray]:
-    """Return the colours within the edge of each ball, NaN beyond."""
+def _learn_staying(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
+    """Learn colours that stay as the balls turn."""
+    look.is_spinning, look.shading = False, None
+    look.paint = filled(np.median(_paints(look, frames, teachers), axis=0))
+
+
+def _learn_turning(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
+    """Learn colours that turn with the rod, and the shading that is added to them.
+
+    Each is what the other leaves of the balls, so both are learned in turn.
+    """
+    look.is_spinning, look.shading = False, None
+    staying = [filled(one) for one in _paints(look, frames, teachers)]
+    look.is_spinning = True
+    turning = [filled(one) for one in _paints(look, frames, teachers)]
+    angles = [one.angle for one in teachers]
+    look.paint = np.median(turning, axis=0)
+    for _ in range(_DIVIDED):
+        back = [turned(look.paint, -angle) for angle in angles]
+        look.shading = np.median(np.subtract(staying, back), axis=0)
+        back = [turned(look.shading, angle) for angle in angles]
+        look.paint = np.median(np.subtract(turning, back), axis=0)
+
+
+def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> np.ndarray:
+    """Return the colours within the edge of each ball, NaN beyond, without shading."""
     inner = look.radius - 1.6 * look.blur - 0.3
-    return [
-        painted(
-            frames[one.frame][2:], one.centre, one.angle if look.is_spinning else 0.0, look.colours,
-            look.radius, inner,
-        )
-        for one in teachers
-    ]  # fmt: skip
+    paints = []
+    for one in teachers:
+        turn = one.angle if look.is_spinning else 0.0
+        planes = frames[one.frame][2:]
+        paint = painted(planes, one.centre, turn, look.colours, look.radius, inner)
+        paints.append(paint if look.shading is None else paint - turned(look.shading, turn))
+    return np.stack(paints)
 
 
 def _learn_edge(
@@ -234,7 +256,11 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
             back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
-            inner.append((image[core] - look.paint[q, p])[look.core[q, p]])
+            own = look.paint[q, p]
+            if look.shading is not None:
+                column, row = (np.rint(each[core]).astype(int) + m for each in (dx, dy))
+                own = own + look.shading[row, column]
+            inner.append((image[core] - own)[look.core[q, p]])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
     if len(rest) < 200:
@@ -269,7 +295,7 @@ def _learn_variance(
 
     `clear` is the residual of something else than a ball of one colour.
     """
-    each = np.stack(_paints(look, frames, teachers))
+    each = _paints(look, frames, teachers)
     squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
     excess = np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0
     excess[excess < (_VARIED * clear) ** 2] = 0.0

@@ -33,13 +33,16 @@ _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
 class Ball(NamedTuple):
     """How balls are drawn: sizes [pixels], colours about the centre, whether these turn.
 
-    A fourth colour, 1, becomes the share that a ball covers. `variance` is by how much more than
-    the background the colours vary from frame to frame, as those of a pattern that moves.
+    A fourth colour, 1, becomes the share that a ball covers. `shading` is added to colours that
+    turn, and stays as the light does; its fourth colour is 0. `variance` is by how much more than
+    the background the colours vary from frame to frame, as those of a pattern that moves. Both
+    have a single pixel if there is none.
     """
 
     radius: float
     blur: float
     paint: np.ndarray
+    shading: np.ndarray
     variance: np.ndarray
     is_spinning: bool
 
@@ -172,7 +175,7 @@ def cover(
     exposure in which the ball covers a pixel, the others its premultiplied colour.
     """
     rows, columns = out.shape[0], out.shape[1]
-    half = (ball.paint.shape[0] - 1) // 2
+    half, is_shaded = (ball.paint.shape[0] - 1) // 2, ball.shading.shape[0] > 1
     weight = 1.0 / path.shape[0]
     reach = ball.radius + 2.0 * ball.blur
     core = max(ball.radius - 2.0 * ball.blur, 0.0) ** 2
@@ -196,6 +199,10 @@ def cover(
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
                 add_between(ball.paint, v, u, share, out[j, i])
+                if is_shaded:
+                    u = min(max(dx + half, 0.0), 2.0 * half - 1e-3)
+                    v = min(max(dy + half, 0.0), 2.0 * half - 1e-3)
+                    add_between(ball.shading, v, u, share, out[j, i])
 
 
 @jit
