@@ -5,7 +5,8 @@
 `CLONES` holds clones of the repositories in ``real_clips.toml`` as ``owner+name``, ``owner/name``
 or ``name``. Missing clips are left out. For each case it prints the share of ok samples, whether
 this is as expected, and the processor time. The exit code is 1 if a case does not end as expected,
-as by a crash.
+as by a crash. The last line counts the clips in which a ball can be followed, and those of them in
+which it is without a click, about the pivot that others click.
 
 `TABLE` is a Markdown file to write. For each track it lists the period, or the arm if there is no
 period, from the whole clip and from its halves, which should agree. If the pivot is known, this is
@@ -35,6 +36,8 @@ from latolato.experiment.quality import circle_distances
 
 # Share of samples that may be ok where the ball is not followed, and that must be where it is.
 _FEW, _MANY = 0.05, 0.6
+# How far what is found may be from what others click, as a share of the arm.
+_OFF = 0.06
 _HEAD = "clip|pointed at|ok|geometry|whole clip|first half|second half|halves differ by"
 
 
@@ -69,6 +72,28 @@ def _outcome(path: Path, case: dict[str, Any]) -> tuple[float, str, Any]:
         place = f"{Path(where.filename).name}:{where.lineno}"
         return math.nan, f"crashed at {place}: {type(error).__name__}: {error}", None
     return float((table.flag_1 == "ok").mean()), str(table.attrs.get("warnings", "")), table
+
+
+def _off(table: Any, clip: dict[str, Any]) -> float:
+    """Return how far pivot and balls that were found are from those clicked in a clip.
+
+    1 is as far as they may be. Balls count only if they are clicked in the same frame. NaN if
+    there is no pivot although others click one.
+    """
+    cases = [case for case in clip["case"] if case["expected"] != "refused"]
+    pivots = [case["pivot"] for case in cases if case.get("pivot", "outside") != "outside"]
+    pivots = [place for each in pivots for place in (each if isinstance(each[0], list) else [each])]
+    number = table.attrs["click_frame"]
+    balls = [case.get("balls", []) for case in cases if case.get("click_frame", 0) == number]
+    balls = [place for each in balls for place in each]
+    off = [0.0]
+    sizes = _OFF * table.attrs.get("arm_pixels", math.nan), table.attrs["radius_pixels"]
+    for name, places, size in zip(("pivot", "ball_1"), (pivots, balls), sizes, strict=True):
+        for own in (name, name.replace("_1", "") + "_2"):
+            at = [table.attrs.get(f"{own}_pixel_{axis}", math.nan) for axis in "uv"]
+            if places and (own == name or math.isfinite(at[0])):
+                off.append(min(math.dist(at, place) for place in places) / size)
+    return float(np.max(off))
 
 
 def _period(table: Any) -> tuple[float, float]:
@@ -113,6 +138,7 @@ def main() -> int:
         print(__doc__, file=sys.stderr)
         return 2
     clips = tomllib.loads(Path(__file__).with_suffix(".toml").read_text("utf-8"))["clip"]
+    followed: dict[str, bool] = {}
     failed, rows = 0, [_HEAD, "|".join("-" * len(_HEAD.split("|")))]
     with tempfile.TemporaryDirectory() as folder:
         for number, clip in enumerate(clips):
@@ -128,6 +154,11 @@ def main() -> int:
                 spent = time.process_time() - began
                 outcomes = {"followed": share > _MANY, "refused": share < _FEW}
                 is_good = outcomes.get(case["expected"], any(outcomes.values()))
+                if "nothing clicked" in case["name"]:
+                    off = math.nan if table is None else _off(table, clip)
+                    is_good &= not (outcomes["followed"] and off > 1.0)
+                    if any(one["expected"] != "refused" for one in clip["case"]):
+                        followed[path.name] = outcomes["followed"] and off <= 1.0
                 failed += not is_good
                 verdict = "as expected" if is_good else "WRONG"
                 print(f"  {case['name']:38} {100 * share:4.0f} % ok  {verdict:12} "
@@ -140,6 +171,7 @@ def main() -> int:
                     rows.append("|".join([f"{clip['repository']} {clip['file']}", *cells]))
     if len(sys.argv) == 3:
         Path(sys.argv[2]).write_text("".join(f"|{row}|\n" for row in rows), "utf-8")
+    print(f"followed without a click: {sum(followed.values())} of {len(followed)} clips")
     return 1 if failed else 0
 
 

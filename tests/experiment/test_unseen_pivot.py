@@ -269,6 +269,15 @@ def test_each_of_two_balls_has_angles_about_its_own_pivot(pair, apart):
     assert np.hypot(*(balls[0, 1] - click(pair[2]))) < 0.5
 
 
+def test_two_pivots_are_found_without_clicks(pair):
+    table = tracked(pair[0])
+    assert (table.attrs["pivot_source"], table.attrs["pivot_source_2"]) == ("arc", "picture")
+    found = [table.attrs[f"pivot_2_pixel_{axis}"] for axis in "uv"]
+    assert np.hypot(*(np.array(found) - [160.0, 40.0])) < 4.0  # as near as a click
+    right, left = (table[f"flag_{ball}"].values == "ok" for ball in (1, 2))
+    assert min(right.mean(), left.mean()) > 0.9
+
+
 def test_one_length_is_not_that_of_two_arms(pair):
     path, right, left = pair
     (u, v), other = click(right), click(left)

@@ -98,7 +98,8 @@ def _each_alone(
 ) -> list[Track] | PathOnly:
     """Return two balls, each of which was followed about a pivot of its own."""
     tracks: list[Track] = []
-    pivots = task.setup.pivot, task.setup.pivot_2 or task.setup.pivot
+    setup = task.setup
+    pivots = setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot
     for b, pivot in enumerate(pivots):
         corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
         alone = replace(

@@ -116,7 +116,7 @@ def prepare(
             video, sample, pivot=known, balls=clicks, count=count, optics=setup.optics,
             click_frame=settings.get("click_frame"),
         )  # fmt: skip
-        pivot_1, pivot_2 = proposal.pivot, None
+        pivot_1, pivot_2 = proposal.pivot, proposal.pivot_2
         if own:
             places = [place for place in own if place is not None]
             if clicks is None and len(places) == 2:
@@ -124,6 +124,7 @@ def prepare(
             pivot_1, pivot_2 = pivots
         setup = replace(
             setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True,
+            has_own_pivots=bool(own) or proposal.has_own_pivots,
             click_frame=proposal.click_frame if clicks is None else setup.click_frame,
         )  # fmt: skip
         return Task(video, setup, sample, [proposal_text(setup)], size)

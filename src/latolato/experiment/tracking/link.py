@@ -34,6 +34,9 @@ ALIKE, WEIGHTS, _FAINTEST, _DIRECTION = 25.0, np.array([0.5, 1.0, 1.0]), 0.1, 1.
 # By which factor a leap is longer than the steps before and after it, and the share of a long step
 # from which one is fast.
 _LEAPS, _FAST = 2.0, 0.6
+# Share of the way that something typically goes without a leap below which a part hardly moves, and
+# how far from the rest of the path it is something else then [radii].
+_HARDLY, _ASIDE = 0.25, 2.0
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.
@@ -85,25 +88,60 @@ class Trajectory:
         return float(np.nanmedian(self.radii)) if self.is_seen.any() else math.nan
 
     @cached_property
+    def parts(self) -> list[np.ndarray]:
+        """Numbers of the frames in which it was detected, cut where it leaps.
+
+        A leap is a step that is longer than those before and after it lead to expect: at an impact
+        a ball turns, but does not leap.
+        """
+        known = np.flatnonzero(self.is_seen)
+        if len(known) < 3:
+            return [known]
+        ways = np.linalg.norm(np.diff(self.places[known], axis=0), axis=1)
+        frames = np.diff(known)
+        speeds = np.pad(ways / frames, 1, mode="edge")
+        expected = frames * np.maximum(speeds[:-2], speeds[2:])
+        leaps = np.flatnonzero(ways > self.radius + 1.0 + _LEAPS * expected) + 1
+        return np.split(known, leaps)
+
+    @cached_property
     def travel(self) -> float:
         """How far it typically goes without a leap [pixels].
 
         That is the mean extent of its parts between leaps, by the ways gone there: how long it
-        rests does not count. A leap is a step that is longer than those before and after it lead to
-        expect: at an impact a ball turns, but does not leap.
+        rests does not count.
         """
-        known = np.flatnonzero(self.is_seen)
-        at = self.places[known]
-        if len(at) < 3:
-            return 0.0
-        ways, frames = np.linalg.norm(np.diff(at, axis=0), axis=1), np.diff(known)
-        speeds = np.pad(ways / frames, 1, mode="edge")
-        expected = frames * np.maximum(speeds[:-2], speeds[2:])
-        leaps = np.flatnonzero(ways > self.radius + 1.0 + _LEAPS * expected) + 1
-        parts = np.split(at, leaps)
-        extents = [float(np.hypot(*np.ptp(part, axis=0))) for part in parts]
+        parts = [self.places[part] for part in self.parts if len(part)]
         gone = [float(np.linalg.norm(np.diff(part, axis=0), axis=1).sum()) for part in parts]
-        return float(np.average(extents, weights=gone)) if sum(gone) > 0.0 else 0.0
+        if not sum(gone) > 0.0:
+            return 0.0
+        return float(np.average([_span(part) for part in parts], weights=gone))
+
+    @property
+    def roughness(self) -> float:
+        """How much its steps from frame to frame differ from those before, as a share of them.
+
+        A swing of ``n`` frames has ``2 sin(pi/n)``, what leaps about at random 1 and more.
+        """
+        steps = np.diff(self.places, axis=0)
+        bends = np.linalg.norm(np.diff(steps, axis=0), axis=1)
+        known, ways = np.isfinite(bends), np.linalg.norm(steps, axis=1)
+        longest = np.maximum(ways[:-1], ways[1:])[known].sum()
+        return float(bends[known].sum() / longest) if longest > 0.0 else math.inf
+
+    def without_rests(self) -> Trajectory:
+        """Return it without the parts that hardly move and are off the others: something else."""
+        parts = [part for part in self.parts if len(part)]
+        rests = [_span(self.places[part]) < _HARDLY * self.travel for part in parts]
+        ways = [self.places[part] for part, rest in zip(parts, rests, strict=True) if not rest]
+        values = [each.copy() for each in (self.places, self.radii, self.lengths, self.colours)]
+        for part, rest in zip(parts, rests, strict=True):
+            if rest and ways:
+                away = np.concatenate(ways) - np.median(self.places[part], axis=0)
+                if np.linalg.norm(away, axis=1).min() > _ASIDE * self.radius:
+                    for each in values:
+                        each[part] = np.nan
+        return Trajectory(*values)
 
     @property
     def moves(self) -> np.ndarray:
@@ -118,6 +156,11 @@ class Trajectory:
     def extent(self) -> float:
         """How far it spreads: see `extent_of` [pixels]."""
         return extent_of(self.places[self.is_seen])
+
+
+def _span(places: np.ndarray) -> float:
+    """Return the diagonal of all that places (place, 2) span [pixels]."""
+    return float(np.hypot(*np.ptp(places, axis=0)))
 
 
 def extent_of(places: np.ndarray) -> float:

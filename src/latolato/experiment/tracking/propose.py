@@ -24,6 +24,7 @@ from latolato.experiment.tracking.link import (
 from latolato.experiment.tracking.orbit import better, circle, driven_circle
 from latolato.experiment.tracking.pivot import learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
+from latolato.experiment.tracking.strings import SHOWS, Lines
 from latolato.experiment.video import Frame, Video
 
 # How many things that move are looked at for each price of leaps, and how many places of each are
@@ -36,6 +37,9 @@ _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 2.0
 _DEAR = 6.0, 1.0
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
+# How roughly things move that are half as likely a ball, and that are none: fewer than 8 frames
+# show a swing, or what flickers in several places was linked.
+_ROUGH, _ROUGHEST = 0.5, 0.75
 # How much longer than wide a thing is a rod, and no ball.
 _LONG = 5.0
 # How far off a circle something is half as likely a ball: pixels and share of its way.
@@ -43,7 +47,9 @@ _LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
 # How near centres of circles are that are one pivot, as a share of the larger arm.
-_ONE_PIVOT = 0.03
+_ONE_PIVOT = 0.05
+# Share of the strings that meet where they do best, from which a circle's centre is as good.
+_AS_WELL = 0.8
 # Pixels, and share of the arm, that a ball may lie off the circle.
 _OFF, _OFF_SHARE = 4.5, 0.03
 # Residual from which a circle is good enough to look no further: pixels and share of the arm.
@@ -108,10 +114,12 @@ def propose(
 
     Notes
     -----
-    What differs from the background is linked through all frames; balls are what goes far on
-    a circle. That is fitted together with one harmonic of the pivot; if the residual is too large,
-    the pivot is followed in the picture from the circle's centre, and both are repeated until they
-    agree. It can miss: balls of the wall's colour, and arcs of less than about 20 degrees.
+    What differs from the background is linked through all frames; balls are what goes far and
+    smoothly on a circle. That is fitted together with one harmonic of the pivot; if the residual is
+    too large, the pivot is followed in the picture from the circle's centre, and both are repeated
+    until they agree. Where no circle shows the pivot, or strings meet elsewhere, it is where these
+    meet. It can miss: balls of the wall's colour or that never leave their place, and, without
+    strings, arcs of less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     if balls is None:
@@ -122,23 +130,27 @@ def propose(
             click = np.array(ball, float)
             track, blobs = link_clicked(blobs, sample.copies, click, sample.click, None)
             tracks.append(track)
-    lens, size = optics or Optics(), (video.width, video.height)
+    lens = optics or Optics()
     starts = None if balls is None else [np.array(ball, float) for ball in balls]
     if starts is None:
         sample = _begun(video, sample, tracks, is_free=click_frame is None)
         starts = [track.places[sample.click] for track in tracks]
-    hinge = known
+    hinges = [known]
     if pivot is None:
         # Where only one of two balls is seen, it may be both of them in one blob.
         both = np.all([track.is_seen for track in tracks], axis=0)
         clear = both if both.sum() >= _FEWEST else np.ones(len(both), bool)
         places = [np.where(clear[:, None], track.places, np.nan) for track in tracks]
-        orbit = _pivot(video, sample, [undistorted(each, size, lens) for each in places])
-        hinge = None if orbit is None else distorted(orbit.centre, size, lens)
-    starts.sort(key=lambda ball: -float(ball[0]))
+        hinges = _pivots(video, sample, places, tracks[0].radius, lens)
+    order = sorted(range(len(starts)), key=lambda b: -float(starts[b][0]))
+    if len(hinges) > 1:
+        hinges = [hinges[b] for b in order]
+    pivots = [None if hinge is None else _rounded(hinge) for hinge in hinges]
     setup = Setup(
-        pivot=None if hinge is None else _rounded(hinge),
-        balls=tuple(_rounded(ball) for ball in starts),
+        pivot=pivots[0],
+        pivot_2=pivots[-1] if len(pivots) > 1 else None,
+        has_own_pivots=len(pivots) > 1,
+        balls=tuple(_rounded(starts[b]) for b in order),
         is_proposed=True,
         click_frame=video.first_frame + sample.click,
     )
@@ -147,7 +159,11 @@ def propose(
 
 def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> list[Trajectory]:
     """Return the one or two of the things that move that swing."""
-    tracks = [track for dear in _DEAR for track in link_movers(sample.copies, _MOVERS, dear)]
+    tracks = [
+        track.without_rests()
+        for dear in _DEAR
+        for track in link_movers(sample.copies, _MOVERS, dear)
+    ]
     scored = [(*_score(track, sample.times, pivot), track) for track in tracks]
     often = [one for one in scored if one[2].is_seen.mean() > _SEEN]
     best, _, first = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
@@ -161,6 +177,7 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
     # Its look is known now: it and another ball like it are linked again by that, apart.
     again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
     other, _ = link_alike(left, first, _DEAR[0])
+    again, other = again.without_rests(), other.without_rests()
     pair = [(*_score(track, sample.times, pivot), track) for track in (again, other)]
     if count != 1 and all(map(_may_swing, pair)) and are_alike(again, other):
         return [again, other]
@@ -184,12 +201,13 @@ def _may_swing(scored: tuple[float, float, Trajectory]) -> bool:
 def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tuple[float, float]:
     """Return how likely something that moves is the ball, 0 for surely not, and how far off it is.
 
-    The ball is seen often, goes far without leaps, is large, and runs on a circle about a pivot
-    that rests or is driven, about the one that is known if any is. It is less likely if it is off
-    that by 1 or more.
+    The ball is seen often, goes far without leaps, moves on smoothly, is large, and runs on a
+    circle about a pivot that rests or is driven, about the one that is known if any is. It is less
+    likely if it is off that by 1 or more.
     """
     share, travel = float(track.is_seen.mean()), track.travel
-    if track.is_seen.sum() < _FEWEST:
+    rough = track.roughness
+    if track.is_seen.sum() < _FEWEST or rough > _ROUGHEST:
         return 0.0, math.inf
     if travel < max(_TRAVELS * track.radius, _ALL_WAY * track.extent):
         return 0.0, math.inf
@@ -200,7 +218,8 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     else:
         away = np.hypot(*(track.places[some] - pivot).T)
         off = float(np.ptp(np.quantile(away, [0.1, 0.9])) / (_ABOUT * np.median(away)))
-    return math.sqrt(share) * travel * track.radius / (1.0 + off**2), off
+    likely = 1.0 / (1.0 + off**2) / (1.0 + (rough / _ROUGH) ** 4)
+    return math.sqrt(share) * travel * track.radius * likely, off
 
 
 def _is_rod(track: Trajectory) -> bool:
@@ -256,37 +275,82 @@ def _rounded(place: np.ndarray) -> Place:
     return round(float(place[0]), 1), round(float(place[1]), 1)
 
 
-def _pivot(video: Video, sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
-    """Return the circle about the pivot whose motion makes the balls' paths most nearly one.
+def _pivots(
+    video: Video, sample: Sample, tracks: list[np.ndarray], radius: float, lens: Optics
+) -> list[np.ndarray | None]:
+    """Return the pivot of all balls, or that of each, by their strings and their circles.
 
-    `tracks` are places (frame, 2). Balls at different distances from one pivot at rest have a
-    circle each; that of the first is returned.
+    `tracks` are places (frame, 2) in the picture. None is a pivot that it does not show.
     """
-    times, size = sample.times, np.array([video.width, video.height])
-    each = [_circles([track[_some(track)]], times[_some(track)])[0] for track in tracks]
-    own = [one for one in each if one is not None and _is_round(one)]
-    if len(own) == len(tracks) == 2:
-        apart = float(np.hypot(*(own[0].centre - own[1].centre)))
-        best = own[0] if apart < _ONE_PIVOT * max(one.arm for one in own) else None
-    else:
-        some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
-        # A driven pivot is where it is in the first of the frames.
-        some = np.append(min(sample.click, len(times) - 1), some)
-        first = better(*_circles([track[some] for track in tracks], times[some]))
-        if first is None:
-            return None
-        frames = sample.from_click
-        numbers = [frame.number for frame in frames]
-        places = [
-            np.array([t[n] for t in tracks if 0 <= n < len(t) and np.isfinite(t[n, 0])])
-            for n in numbers
-        ]
-        places = [group.reshape(-1, 2) for group in places]
-        best = first if _is_round(first) else _followed(video, frames, places, first)
-    if best is None or best.residual > max(_OFF, _OFF_SHARE * best.arm):
+    size = video.width, video.height
+    lines = [Lines(sample.copies, track, radius) for track in tracks]
+    meetings = [each.meeting() for each in lines]
+    flat = [undistorted(each, size, lens) for each in tracks]
+    own = [circle([track[_some(track)]], np.zeros((1, 2))) for track in flat]
+    centres = [
+        None if one is None or not _is_round(one) else distorted(one.centre, size, lens)
+        for one in own
+    ]
+    if len(tracks) == 2:
+        both = zip(meetings, centres, strict=True)
+        each = [centre if meeting is None else meeting for meeting, centre in both]
+        if _are_apart(each, tracks):
+            return [_inside(place, size) for place in each]
+    shared = [
+        place
+        for place in meetings
+        if place is not None and all(one.share_at(place) > SHOWS for one in lines)
+    ]
+    meeting = _inside(shared[0], size) if shared else None
+    rests = all(centre is not None for centre in centres)
+    orbit = own[0] if rests else _common_circle(video, sample, flat)
+    if orbit is None or orbit.residual > max(_OFF, _OFF_SHARE * orbit.arm):
+        return [meeting]
+    centre = _inside(distorted(orbit.centre, size, lens), size)
+    if centre is None or orbit.vague > _VAGUE:
+        return [meeting]
+    if meeting is not None and rests:
+        # Strings know better where a circle is seen obliquely.
+        most, there = (lines[0].share_at(place) for place in (meeting, centre))
+        return [centre if there > _AS_WELL * most else meeting]
+    return [centre]
+
+
+def _are_apart(pivots: Sequence[np.ndarray | None], tracks: list[np.ndarray]) -> bool:
+    """Return whether places of pivots, None for unknown, are those of two pivots."""
+    if pivots[0] is None or pivots[1] is None:
+        return False
+    arms = [
+        np.nanmedian(np.linalg.norm(track - pivot, axis=1))
+        for track, pivot in zip(tracks, pivots, strict=True)
+    ]
+    return bool(np.linalg.norm(pivots[0] - pivots[1]) > _ONE_PIVOT * max(arms))
+
+
+def _inside(place: np.ndarray | None, size: tuple[int, int]) -> np.ndarray | None:
+    """Return a place that the picture shows, None for others."""
+    if place is None or (place < 0.0).any() or (place > np.array(size) - 1.0).any():
         return None
-    inside = (best.centre >= 0.0).all() and (best.centre <= size - 1.0).all()
-    return best if inside and best.vague < _VAGUE else None
+    return place
+
+
+def _common_circle(video: Video, sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
+    """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
+    times = sample.times
+    some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
+    # A driven pivot is where it is in the first of the frames.
+    some = np.append(min(sample.click, len(times) - 1), some)
+    first = better(*_circles([track[some] for track in tracks], times[some]))
+    if first is None or _is_round(first):
+        return first
+    frames = sample.from_click
+    places = [
+        np.array(
+            [t[f.number] for t in tracks if 0 <= f.number < len(t) and np.isfinite(t[f.number, 0])]
+        ).reshape(-1, 2)
+        for f in frames
+    ]
+    return _followed(video, frames, places, first)
 
 
 def _is_round(orbit: CircleFit) -> bool:

@@ -1,0 +1,90 @@
+"""Pivots where strings meet, and what moves on as a ball does."""
+
+import warnings
+
+import cv2
+import numpy as np
+import pytest
+
+import latolato as ll
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.tracking.detect import Copies
+from latolato.experiment.tracking.link import Trajectory
+from latolato.experiment.tracking.strings import Lines
+
+PIVOT = np.array([90.0, 20.0])
+
+
+def drawn(width, squeezed=1.0, pivot=PIVOT, length=80.0):
+    """Return pictures of a ball on a string, which is not drawn for no width, and its places."""
+    angles = 0.6 * np.cos(np.arange(80) / 5.0)
+    away = length * np.column_stack([squeezed * np.sin(angles), np.cos(angles)])
+    pictures = np.full((len(angles), 140, 180, 3), 128, np.uint8)
+    pictures += np.random.default_rng(0).integers(0, 4, pictures.shape, np.uint8)
+    for picture, place in zip(pictures, pivot + away, strict=True):
+        ends = [tuple(np.rint(16.0 * at).astype(int).tolist()) for at in (pivot, place)]
+        if width:
+            cv2.line(picture, *ends, (60, 128, 128), width, cv2.LINE_AA, 4)
+        cv2.circle(picture, ends[1], 16 * 6, (200, 128, 128), -1, cv2.LINE_AA, 4)
+    return Copies(pictures, 1, (np.zeros(2), np.array([180, 140]))), pivot + away
+
+
+@pytest.mark.parametrize("squeezed", [1.0, 0.6])
+@pytest.mark.parametrize("width", [1, 3])
+def test_strings_meet_at_the_pivot_of_a_circle_and_of_an_oval(width, squeezed):
+    copies, places = drawn(width, squeezed)
+    lines = Lines(copies, places, 6.0)
+    meeting = lines.meeting()
+    assert np.hypot(*(meeting - PIVOT)) < 2.0  # about the width of a string
+    assert lines.share_at(meeting) > 2.0 * lines.share_at(PIVOT + 20.0)
+
+
+def test_strings_that_are_not_seen_meet_nowhere_and_others_out_of_the_picture():
+    copies, places = drawn(0)
+    assert Lines(copies, places, 6.0).meeting() is None
+    above = np.array([90.0, -40.0])
+    meeting = Lines(*drawn(1, pivot=above, length=140.0), 6.0).meeting()
+    assert np.hypot(*(meeting - above)) < 3.0
+
+
+def trajectory(places):
+    count = len(places)
+    return Trajectory(places, np.full(count, 5.0), np.full(count, 5.0), np.zeros((count, 3)))
+
+
+def test_a_swing_is_as_rough_as_its_frames_are_few_and_flicker_is_rougher():
+    for count in (8, 30):
+        turns = 2.0 * np.pi * np.arange(240) / count
+        swing = trajectory(np.column_stack([100.0 * np.cos(turns), np.zeros(240)]))
+        # Of a swing on a line only the mean over its phases is that of a circle.
+        assert swing.roughness == pytest.approx(2.0 * np.sin(np.pi / count), rel=0.25)
+    places = np.random.default_rng(0).choice([[0.0, 0.0], [90.0, 0.0], [0.0, 70.0]], 240)
+    assert trajectory(places).roughness > 1.0
+
+
+def test_parts_that_rest_elsewhere_are_no_part_of_a_swing():
+    turns = np.arange(200) / 8.0
+    places = np.column_stack([300.0 + 80.0 * np.sin(turns), 200.0 + 10.0 * np.cos(2.0 * turns)])
+    places[60:90] = [40.0, 40.0]
+    cleaned = trajectory(places).without_rests()
+    assert not cleaned.is_seen[60:90].any()
+    assert cleaned.is_seen.sum() == 170
+    # A ball that rests where it swung, as after an impact, is still the ball.
+    places[60:90] = places[100] + [3.0, 3.0]
+    assert trajectory(places).without_rests().is_seen.all()
+
+
+def test_the_pivot_of_a_swing_seen_obliquely_is_found_without_clicks(tmp_path):
+    run = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), initial_angle=0.9, duration=3.0)
+    camera = Camera(width=480, height=360, fps=40.0, yaw=0.6)
+    path = tmp_path / "aside.mp4"
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=1)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        table = ll.track(path)
+    off = [table.attrs[f"pivot_pixel_{axis}"] - truth.attrs[f"pivot_pixel_{axis}"] for axis in "uv"]
+    assert np.hypot(*off) < 4.0  # as near as a click
+    assert abs(table.attrs["tilt"] - 0.6) < 0.05
+    error = np.abs(table.angle_1.values - truth.angle_1.values)[table.flag_1.values == "ok"]
+    assert np.mean(error < 0.02) > 0.9
