@@ -40,9 +40,8 @@ from latolato.experiment.video import Frame, Video
 _NOISE, _BLUR = 0.03, 0.8
 # In poor light the noise is less: a share of the contrast, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
-# How often balls are fitted and their look is learned again, and at most: as long as their look
-# explains clearly more of them.
-_ROUNDS, _MOST_ROUNDS, _MORE = 3, 8, 0.02
+# How often balls are fitted and their look is learned again.
+_ROUNDS = 3
 # Typical share that colours that stay explain from which those that turn are not tried, and by how
 # much these must explain more.
 _PLAIN, _TURNS = 0.97, 1.05
@@ -187,8 +186,7 @@ def learn_image_model(
         sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
     else:
         sightings = _first_bobs(scene, frames, pivots, route, balls, medians)
-    explained = 0.0
-    for round_ in range(_MOST_ROUNDS):
+    for round_ in range(_ROUNDS):
         if round_ > 0:
             sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
         if not sightings:
@@ -217,10 +215,7 @@ def learn_image_model(
                 tracker.anchor = shifts[0].copy()
                 pivots = tracker.place(shifts)
         if progress:
-            progress(min((round_ + 1) / _ROUNDS, 1.0))
-        before, explained = explained, float(np.mean([one.explained for one in sightings]))
-        if round_ + 1 >= _ROUNDS and explained < before + _MORE:
-            break
+            progress((round_ + 1) / _ROUNDS)
     scene.explained = float(np.median([one.explained for one in sightings]))
     if look.is_spinning and look.body is None:  # a pattern may look like the wall at the edge
         look.radius_sigma = math.hypot(look.radius_sigma, _PATTERN * look.radius)

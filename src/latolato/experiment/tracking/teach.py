@@ -34,9 +34,9 @@ _SLOWEST, _WIDTHS = 6, (0.08, 0.03)
 _SLOW = 0.4
 # Balls around which noise is learned.
 _RINGS = 16
-# Share of what colours that stay leave unexplained below which a pattern turns: once balls are
-# found, 0.28 to 0.6 with a stripe, 0.8 and more without; how often pattern and shading are divided.
-_TURNS, _DIVIDED = 0.7, 4
+# Share of what colours that stay leave unexplained below which a pattern turns: 0.28 to 0.75 of
+# most balls with a stripe, 0.85 and more without. How often pattern and shading are divided.
+_TURNS, _DIVIDED = 0.8, 4
 # The share of frames that tells how much colours vary: a pattern that moves past shows a pixel two
 # colours, the rarer one this rarely; and the mean square of three colours there, over its mean.
 _RARER, _AT_RARER = 0.8, 1.547
@@ -103,9 +103,11 @@ def _learn_paint(
 ) -> None:
     """Learn the balls' colours, and whether some of them turn with the rod.
 
-    A pattern that turns is believed in if colours that stay leave clearly more unexplained.
+    A pattern that turns is believed in if colours that stay leave clearly more unexplained, and
+    then for as long as they leave more: on a narrow part of the circle, turning changes little.
     """
     look.variance = np.zeros((1, 1), np.float32)
+    share = 1.0 if look.is_spinning else _TURNS
     looks, costs = [], []
     for learn in (_learn_staying, _learn_turning):
         learn(look, frames, teachers)
@@ -119,7 +121,7 @@ def _learn_paint(
         )  # fmt: skip
         looks.append((look.is_spinning, look.paint, look.shading))
         costs.append(cost)
-    look.is_spinning, look.paint, look.shading = looks[costs[1] < _TURNS * costs[0]]
+    look.is_spinning, look.paint, look.shading = looks[costs[1] < share * costs[0]]
     look.whitened()
 
 
