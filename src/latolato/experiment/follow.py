@@ -15,7 +15,7 @@ from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
 from latolato.experiment.rules import said
 from latolato.experiment.sidecar import OUTSIDE, Setup
-from latolato.experiment.task import READ, Progress, Task, is_inside, part_of
+from latolato.experiment.task import READ, Progress, Task, part_of
 from latolato.experiment.tracking.body import ROUND, SHARE
 from latolato.experiment.tracking.gate import examine
 from latolato.experiment.tracking.geometry import Geometry, fit_geometry
@@ -87,7 +87,7 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
 
 def _has_own_arms(setup: Setup, video: Video) -> bool:
     """Return whether two balls swing about one pivot in the picture at different distances."""
-    if len(setup.balls) < 2 or setup.pivot is None or not is_inside(setup.pivot, video):
+    if len(setup.balls) < 2 or setup.pivot is None or not video.shows(setup.pivot):
         return False
     short, long = sorted(math.dist(ball, setup.pivot) for ball in setup.balls)
     return long > _OTHER_ARM * short
@@ -125,7 +125,7 @@ def _each_alone(
 def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) -> Track | PathOnly:
     """Return balls about one pivot: in the picture, or where the arc shows it."""
     pivot = task.setup.pivot
-    if pivot is not None and is_inside(pivot, task.video):
+    if pivot is not None and task.video.shows(pivot):
         scene, seen = _followed(task, sample, np.array(pivot), route, progress)
         return Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":

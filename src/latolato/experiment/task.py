@@ -202,7 +202,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
                     f"({right:g}, {bottom:g})"
                 )
     for name, (u, v) in named:
-        if not is_inside((u, v), video):
+        if not video.shows((u, v)):
             raise InputError(
                 f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
@@ -230,11 +230,6 @@ def _checked(setup: Setup, video: Video) -> Setup:
                 way_out=f"use '{OUTSIDE}' to fit it from the arc",
             )
     return setup
-
-
-def is_inside(place: Place, video: Video) -> bool:
-    """Whether the pictures of a video show a place."""
-    return 0 <= place[0] <= video.width - 1 and 0 <= place[1] <= video.height - 1
 
 
 def part_of(progress: Progress | None, low: float, high: float) -> Progress | None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from fractions import Fraction
@@ -167,6 +167,10 @@ class Video:
         left, top, right, bottom = self.region or (0.0, 0.0, self.width - 1.0, self.height - 1.0)
         low, high = np.floor([left, top]).astype(int), np.ceil([right, bottom]).astype(int) + 1
         return np.maximum(low, 0), np.minimum(high, [self.width, self.height])
+
+    def shows(self, place: Sequence[float] | np.ndarray) -> bool:
+        """Return whether the pictures show a place (column, row) [pixels]."""
+        return bool(0 <= place[0] <= self.width - 1 and 0 <= place[1] <= self.height - 1)
 
     @property
     def expected_count(self) -> int:

@@ -295,18 +295,18 @@ def _pivots(
         both = zip(meetings, centres, strict=True)
         each = [centre if meeting is None else meeting for meeting, centre in both]
         if _are_apart(each, tracks):
-            return [_inside(place, size) for place in each]
+            return [_seen(video, place) for place in each]
     shared = [
         place
         for place in meetings
         if place is not None and all(one.share_at(place) > SHOWS for one in lines)
     ]
-    meeting = _inside(shared[0], size) if shared else None
+    meeting = _seen(video, shared[0]) if shared else None
     rests = all(centre is not None for centre in centres)
     orbit = own[0] if rests else _common_circle(video, sample, flat)
     if orbit is None or orbit.residual > max(_OFF, _OFF_SHARE * orbit.arm):
         return [meeting]
-    centre = _inside(distorted(orbit.centre, size, lens), size)
+    centre = _seen(video, distorted(orbit.centre, size, lens))
     if centre is None or orbit.vague > _VAGUE:
         return [meeting]
     if meeting is not None and rests:
@@ -327,11 +327,9 @@ def _are_apart(pivots: Sequence[np.ndarray | None], tracks: list[np.ndarray]) ->
     return bool(np.linalg.norm(pivots[0] - pivots[1]) > _ONE_PIVOT * max(arms))
 
 
-def _inside(place: np.ndarray | None, size: tuple[int, int]) -> np.ndarray | None:
-    """Return a place that the picture shows, None for others."""
-    if place is None or (place < 0.0).any() or (place > np.array(size) - 1.0).any():
-        return None
-    return place
+def _seen(video: Video, place: np.ndarray | None) -> np.ndarray | None:
+    """Return a place that the pictures show, None for others."""
+    return place if place is not None and video.shows(place) else None
 
 
 def _common_circle(video: Video, sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
