@@ -212,24 +212,22 @@ def best_chain(
     later, for a price.
     """
     nodes: list[_Nodes] = []
-    ended = _Nodes.at(-1, np.zeros((0, 4)))
+    ended = _Nodes.at(-1, Blobs.of([], 1))
     best, at = 0.0, (-1, -1)
     for frame, own in enumerate(blobs):
-        count, looks = len(own.radii), _looks(own)
-        now = _Nodes.at(frame, looks)
+        now = _Nodes.at(frame, own)
+        looks, count = now.looks.copy(), len(now.totals)
         expired = frame - _BRIDGED - 1
         if expired >= 0:
             ended = ended.joined(nodes[expired])
         if count and len(ended.totals):
             jump = dear * (_JUMP + _OTHER * _unlike(looks, ended.looks))
             now.take(ended, ended.totals - jump, None)
-        for before in range(max(0, frame - _BRIDGED), frame):
-            if count and len(nodes[before].totals):
-                last, apart = nodes[before], frame - before
-                leap = dear * _LEAP if apart == 1 else math.inf
-                cost, step = _steps(own, blobs[before].places, last.speeds, apart, radius, leap)
-                cost = cost + _UNLIKE * _unlike(looks, last.looks)
-                now.take(last, last.totals - cost, step)
+        recent = _Nodes.of(nodes[-_BRIDGED:]) if nodes else ended
+        if count and len(recent.totals):
+            cost, step = _steps(now, recent, radius, dear * _LEAP)
+            cost += _UNLIKE * _unlike(looks, recent.looks)
+            now.take(recent, recent.totals - cost, step)
         for source in now.origins[now.origins[:, 0] >= 0]:
             nodes[source[0]].goes_on[source[1]] = True
         now.totals += worth[frame]
@@ -247,13 +245,15 @@ def best_chain(
 
 @dataclass
 class _Nodes:
-    """The best chains that end at each blob of a frame, or anywhere before.
+    """The best chains that end at some blobs.
 
-    Their worth, speed [pixels per frame], look (see `_looks`), the frame and number of the blob
-    before, those of the blob itself, and whether another chain goes on from there.
+    Their worth, the place of the blob [pixels], their speed [pixels per frame] and look (see
+    `_looks`), the frame and number of the blob before, those of the blob itself, and whether
+    another chain goes on from there.
     """
 
     totals: np.ndarray
+    places: np.ndarray
     speeds: np.ndarray
     looks: np.ndarray
     origins: np.ndarray
@@ -261,14 +261,22 @@ class _Nodes:
     goes_on: np.ndarray
 
     @classmethod
-    def at(cls, frame: int, looks: np.ndarray) -> _Nodes:
-        """Return chains that begin with the blobs of a frame, of some looks."""
-        count = len(looks)
+    def at(cls, frame: int, blobs: Blobs) -> _Nodes:
+        """Return chains that begin with the blobs of a frame."""
+        count = len(blobs.radii)
         numbers = np.column_stack([np.full(count, frame), np.arange(count)])
         return cls(
-            np.zeros(count), np.full((count, 2), np.nan), looks.copy(), np.full((count, 2), -1),
-            numbers, np.zeros(count, bool),
+            np.zeros(count), blobs.places, np.full((count, 2), np.nan), _looks(blobs),
+            np.full((count, 2), -1), numbers, np.zeros(count, bool),
         )  # fmt: skip
+
+    @classmethod
+    def of(cls, parts: list[_Nodes]) -> _Nodes:
+        """Return the chains of several sets together."""
+        return cls(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
+
+    def __getitem__(self, chosen: np.ndarray) -> _Nodes:
+        return _Nodes(*(values[chosen] for values in vars(self).values()))
 
     def take(self, before: _Nodes, totals: np.ndarray, steps: np.ndarray | None) -> None:
         """Let blobs go on from earlier ones where that is worth more.
@@ -286,13 +294,8 @@ class _Nodes:
 
     def joined(self, later: _Nodes) -> _Nodes:
         """Return these chains and those of a frame that do not go on, the best of them."""
-        ends = ~later.goes_on
-        both = [
-            np.concatenate([getattr(self, name), getattr(later, name)[ends]])
-            for name in ("totals", "speeds", "looks", "origins", "numbers", "goes_on")
-        ]
-        best = np.argsort(-both[0], kind="stable")[:_ENDS]
-        return _Nodes(*(values[best] for values in both))
+        both = _Nodes.of([self, later[~later.goes_on]])
+        return both[np.argsort(-both.totals, kind="stable")[:_ENDS]]
 
 
 def _looks(blobs: Blobs) -> np.ndarray:
@@ -314,20 +317,16 @@ def _unlike(looks: np.ndarray, others: np.ndarray) -> np.ndarray:
 
 
 def _steps(
-    own: Blobs,
-    places: np.ndarray,
-    speeds: np.ndarray,
-    apart: int,
-    radius: float,
-    leap: float,
+    now: _Nodes, before: _Nodes, radius: float, leap: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what steps from earlier places cost, shape (blob, earlier), and their speeds.
+    """Return what steps from earlier blobs cost, shape (blob, earlier), and their speeds.
 
-    None costs more than a `leap`.
+    None from one frame to the next costs more than a `leap`.
     """
-    step = own.places[:, None] - places
-    is_known = np.isfinite(speeds[:, 0])
-    led = np.where(is_known[:, None], speeds, 0.0) * apart
+    apart = now.numbers[0, 0] - before.numbers[:, 0]
+    step = now.places[:, None] - before.places
+    is_known = np.isfinite(before.speeds[:, 0])
+    led = np.where(is_known[:, None], before.speeds, 0.0) * apart[:, None]
     off = np.linalg.norm(step - led, axis=-1)
     reach = np.where(
         is_known,
@@ -335,9 +334,9 @@ def _steps(
         _FIRST * radius * apart + _FIRST_LOOSE,
     )
     cost = _STEP * (off / reach) ** 2 + _MISSED * (apart - 1)
-    # From one frame to the next it may leap: a fast ball at few frames a second.
     far = np.where(off > _MOST_STEP * reach, np.inf, cost)
-    return np.minimum(far, leap), step / apart
+    # From one frame to the next it may leap: a fast ball at few frames a second.
+    return np.where(apart == 1, np.minimum(far, leap), far), step / apart[:, None]
 
 
 def worth_of(
