@@ -120,28 +120,47 @@ class Copies:
 
 
 class Copier:
-    """Makes small pictures of frames as they are decoded; of long clips smaller ones."""
+    """Makes small pictures of frames as they are decoded; of long clips smaller ones.
 
-    def __init__(self, bounds: tuple[np.ndarray, np.ndarray]) -> None:
-        self.pictures: list[np.ndarray] = []
-        self.shrink, self.bounds = 1, bounds
+    They lie in one array from the start: many small ones between whole frames would leave gaps in
+    memory as large as they are.
+
+    Parameters
+    ----------
+    bounds : tuple of numpy.ndarray, shape (2,)
+        See `Copies`.
+    expected : int
+        About how many frames there will be.
+    """
+
+    def __init__(self, bounds: tuple[np.ndarray, np.ndarray], expected: int) -> None:
+        self.shrink, self.bounds, self.expected = 1, bounds, expected
+        self.count, self.pictures = 0, np.empty((0, 1, 1, 3), np.uint8)
 
     def add(self, frame: Frame) -> None:
         """Keep a small picture of a frame."""
-        if not self.pictures:
+        if self.count == 0:
             self.shrink = max(1, round(math.sqrt(frame.luma.size / _PIXELS)))
-        self.pictures.append(small_picture(frame, self.shrink))
-        if len(self.pictures) * self.pictures[0][..., 0].size > _ALL_PIXELS:
+        picture = small_picture(frame, self.shrink)
+        if self.count == len(self.pictures):
+            self._move(max(self.expected, 2 * self.count), list(self.pictures), picture.shape)
+        self.pictures[self.count] = picture
+        self.count += 1
+        if self.count * picture[..., 0].size > _ALL_PIXELS:
             self.shrink *= 2
-            self.pictures = [shrunk(picture, 2) for picture in self.pictures]
+            halves = [shrunk(each, 2) for each in self.pictures[: self.count]]
+            self._move(len(self.pictures), halves, halves[0].shape)
+
+    def _move(self, size: int, pictures: list[np.ndarray], shape: tuple[int, ...]) -> None:
+        """Make room for `size` pictures of a shape, and put those so far into it."""
+        most = _ALL_PIXELS // (shape[0] * shape[1]) + 2
+        self.pictures = np.empty((min(size, most), *shape), np.uint8)
+        for own, picture in zip(self.pictures, pictures, strict=False):
+            own[...] = picture
 
     def taken(self) -> Copies:
-        """The small pictures of the frames so far; they are not kept here any longer."""
-        self.pictures.reverse()
-        pictures = np.empty((len(self.pictures), *self.pictures[0].shape), np.uint8)
-        for picture in pictures:  # one by one: not all are in memory twice
-            picture[...] = self.pictures.pop()
-        return Copies(pictures, self.shrink, self.bounds)
+        """The small pictures of the frames so far."""
+        return Copies(self.pictures[: self.count], self.shrink, self.bounds)
 
 
 def small_picture(frame: Frame, shrink: int) -> np.ndarray:

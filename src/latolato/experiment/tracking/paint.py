@@ -82,8 +82,9 @@ def painted(
     j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
     x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
     y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
-    planes = np.moveaxis(image, -1, 0)
-    paint = np.stack([map_coordinates(p, (y, x), float, 1, mode="nearest") for p in planes], -1)
+    paint = np.empty((*i.shape, 3), np.float32)
+    for k in range(3):
+        map_coordinates(image[..., k], (y, x), paint[..., k], 1, mode="nearest")
     paint[np.hypot(i, j) > inner] = np.nan
     return paint
 

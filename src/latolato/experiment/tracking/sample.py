@@ -146,7 +146,7 @@ def read_sample(
     changes = [math.nan]
     changed: list[tuple[float, int, Frame]] = []
     before = None
-    copier = Copier(video.bounds)
+    copier = Copier(video.bounds, expected)
     for frame in video.frames():
         times.append(frame.time)
         copier.add(frame)
