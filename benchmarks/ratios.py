@@ -159,7 +159,8 @@ def history() -> list[dict[str, Any]]:
 
 def machine_of(measured: dict[str, Any]) -> str:
     """Return the device of a file, with its vector instructions."""
-    return f"{measured['device']}, {' and '.join(measured['vectors']).upper()}"
+    vectors = (name.upper() for name in measured["vectors"])
+    return f"{measured['device']}, {' and '.join(vectors)}"
 
 
 def readme_table(measured: dict[str, Any]) -> str:
