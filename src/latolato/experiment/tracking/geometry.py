@@ -15,6 +15,9 @@ from latolato.experiment.tracking.sample import Sample
 # Fewest places that tell whether a pivot rests or sways, how much less distances from it must vary
 # then, and how much they must vary for the second to be looked at [pixels].
 _FEWEST, _CLEARER, _VARIES = 12, 0.7, 0.2
+# How much farther it sways at most than distances from it then typically vary: balls that swing by
+# 0.1 rad show a twentieth of its way.
+_SWAYS = 60.0
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -110,7 +113,7 @@ def fit_geometry(
     if about_click < _CLEARER * varies:
         best, varies = resting, about_click
     if varies > _VARIES:
-        tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, is_upright=False)
+        tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, _SWAYS * varies)
         swaying, varies_less = followed(tracker, shifts)
         if varies_less < _CLEARER * varies:
             return swaying

@@ -199,8 +199,7 @@ def learn_pivot(
     behind: np.ndarray,
     click: np.ndarray,
     arm: float,
-    *,
-    is_upright: bool = True,
+    aside: float = 0.0,
 ) -> tuple[PivotTracker, np.ndarray]:
     """Return a tracker of the pivot and its shifts in the sample, shape (frame, 2).
 
@@ -215,9 +214,9 @@ def learn_pivot(
     arm : float
         Distance from pivot to ball [pixels], from which the template's size and the largest
         possible drive amplitude come.
-    is_upright : bool
-        Whether the pivot moves up and down only: what a template then moves sideways is drawn by
-        the rod.
+    aside : float
+        How far to either side the pivot may move [pixels]; 0 if it moves up and down only: what a
+        template then moves sideways is drawn by the rod.
     """
     size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
     room = int(min(*np.minimum(click, size - 1 - click)))
@@ -225,7 +224,7 @@ def learn_pivot(
         raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
     if float(np.ptp(_patch(behind, click.astype(float), min(max(_SIZES), room)))) < _PLAIN:
         return PivotTracker.unseen(click), np.zeros((len(frames), 2))
-    tracker = _distinct(frames, behind, click.astype(float), arm, room, is_upright)
+    tracker = _distinct(frames, behind, click.astype(float), arm, room, aside)
     shifts = _first_shifts(tracker, frames, arm)
     # A pivot at rest is not learned again: rods that swing about it would join.
     rounds = 0 if _is_resting(tracker, shifts) else 4
@@ -402,7 +401,7 @@ def _distinct(
     click: np.ndarray,
     arm: float,
     room: int,
-    is_upright: bool,
+    aside: float,
 ) -> PivotTracker:
     """Return the tracker with the template that is found most clearly at one place per frame.
 
@@ -413,7 +412,7 @@ def _distinct(
     """
     enlarged = max(1.0, arm / _USUAL_ARM)
     tall = _FARTHEST * arm
-    wide = _SIDEWAYS * enlarged + 0.1 * tall if is_upright else tall
+    wide = min(aside or _SIDEWAYS * enlarged + 0.1 * tall, tall)
     inner = int(_INNER * enlarged)
     reach = np.array([[-wide, -tall], [wide, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
@@ -432,7 +431,7 @@ def _distinct(
             noise = min(max(_SHARE * height, 1.0), 8.0)
             weight = np.where(used, 1.0 / noise**2, 0.0)
             tracker = PivotTracker(
-                click, template, weight, reach, enlarged=enlarged, is_upright=is_upright
+                click, template, weight, reach, enlarged=enlarged, is_upright=not aside
             )
             margins, shifts = zip(*(tracker.margin(frame.luma) for frame in some), strict=True)
             margin = float(np.quantile(margins, 0.25))
