@@ -56,8 +56,8 @@ class Motion:
     ----------
     time : ndarray, shape (time,)
         Evenly spaced [s].
-    heights : ndarray, shape (time,)
-        Of the pivot above its mean over the frames [m].
+    pivots : ndarray, shape (2, time)
+        How far the pivot is to the right of its mean over the frames, and above it [m].
     angles : ndarray, shape (ball, time)
         Of the right ball and, if there is one, the left one [rad].
     lengths, radii : tuple of float
@@ -69,17 +69,28 @@ class Motion:
     """
 
     time: Floats
-    heights: Floats
+    pivots: Floats
     angles: Floats
     lengths: tuple[float, ...]
     radii: tuple[float, ...]
     contacts: Floats
     separation: float
 
-    def at(self, times: Floats) -> tuple[Floats, list[Floats]]:
-        """Return heights [m] and angles [rad] at instants [s] of any shape."""
-        height = np.interp(times, self.time, self.heights)
-        return height, [np.interp(times, self.time, angle) for angle in self.angles]
+    def at(self, times: Floats) -> tuple[list[Floats], list[Floats]]:
+        """Return x and y of the pivot [m], and the angles [rad], at instants [s] of any shape."""
+        pivot, angles = (
+            [np.interp(times, self.time, values) for values in rows]
+            for rows in (self.pivots, self.angles)
+        )
+        return pivot, angles
+
+    def balls(self, times: Floats) -> list[tuple[Floats, Floats]]:
+        """Return x and y of each ball [m] at instants [s] of any shape."""
+        (across, height), angles = self.at(times)
+        return [
+            (across + length * np.sin(angle), height - length * np.cos(angle))
+            for angle, length in zip(angles, self.lengths, strict=True)
+        ]
 
 
 def synthesise_video(
@@ -220,21 +231,17 @@ class Film:
         """Return the track table that is true of the video, with the clicks as attributes."""
         motion, run, renderer, begin = self.motion, self.run, self.renderer, self.begin
         camera, projection, times = self.camera, renderer.projection, self.times
-        height, angles = motion.at(begin + times)
-        columns: dict[str, Any] = {
-            "time": times,
-            "pivot_x": np.zeros_like(times),
-            "pivot_y": height,
-        }
+        (across, height), angles = motion.at(begin + times)
+        columns: dict[str, Any] = {"time": times, "pivot_x": across, "pivot_y": height}
         half = 0.5 * camera.exposure / camera.fps
         moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
         touches = _touches(motion, moments)
         extra = {}
         clicks: dict[str, float] = {}
-        u, v = projection.in_picture(0.0, height[0])
+        u, v = projection.in_picture(across[0], height[0])
         clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
-        for i, (angle, length) in enumerate(zip(angles, motion.lengths, strict=True)):
-            x, y = length * np.sin(angle), height - length * np.cos(angle)
+        for i, (x, y) in enumerate(motion.balls(begin + times)):
+            angle = angles[i]
             columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
             columns[f"angle_{i + 1}"] = angle
             columns[f"angle_sigma_{i + 1}"] = np.zeros_like(angle)
@@ -293,11 +300,13 @@ def prepare(
     times = stamps / TICKS
     motion, run = filmed_motion(run, begin + times, scene)
     camera = framed(camera, scene, motion)
+    if np.ptp(motion.pivots[0]) > 0.0:  # no rail guides it
+        scene = replace(scene, rail_width=0.0)
     renderer = Renderer(
         scene,
         camera,
         radii=motion.radii,
-        heights=(float(motion.heights.min()), float(motion.heights.max())),
+        heights=(float(motion.pivots[1].min()), float(motion.pivots[1].max())),
         length=max(motion.lengths),
         seed=seed,
     )
@@ -407,11 +416,12 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
         for prefix, length in zip(prefixes, lengths, strict=True)
     )
     separation = attrs.get("contact_separation", 2.0 * attrs.get("contact_angle_low", math.nan))
-    heights = again["pivot_height"].values
-    mean = float(np.interp(times, dense, heights).mean())
+    height = again["pivot_height"].values
+    across = again["pivot_across"].values if "pivot_across" in again else np.zeros_like(height)
+    pivots = [each - float(np.interp(times, dense, each).mean()) for each in (across, height)]
     motion = Motion(
         time=dense,
-        heights=heights - mean,
+        pivots=np.array(pivots),
         angles=angles,
         lengths=lengths,
         radii=radii,
@@ -423,13 +433,13 @@ def filmed_motion(run: xr.Dataset, times: Floats, scene: Scene) -> tuple[Motion,
 
 def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
     """Return the camera with a scale and a pivot at which the whole motion is seen."""
-    xs = [np.zeros(1)]
-    ys = [np.array([motion.heights.min(), motion.heights.max() + 1.5 * scene.block_height])]
+    across, heights = motion.pivots
+    xs, ys = [across], [np.array([heights.min(), heights.max() + 1.5 * scene.block_height])]
     margin = max(motion.radii) + 0.01
-    for angle, length in zip(motion.angles, motion.lengths, strict=True):
+    for x, y in motion.balls(motion.time):
         for sign in (-margin, margin):
-            xs.append(length * np.sin(angle) + sign)
-            ys.append(motion.heights - length * np.cos(angle) + sign)
+            xs.append(x + sign)
+            ys.append(y + sign)
     if scene.is_parked:
         xs.append(scene.parked_x + np.array([-margin, margin]))
         ys.append(scene.parked_y + np.array([-margin, margin]))
@@ -454,12 +464,8 @@ def framed(camera: Camera, scene: Scene, motion: Motion) -> Camera:
 
 def _states(motion: Motion, projection: Projection, times: Floats) -> Floats:
     """Return undistorted u, v of pivot and balls at instants, shape (..., point, 2)."""
-    height, angles = motion.at(times)
-    points = [projection.flat(np.zeros_like(height), height)]
-    points += [
-        projection.flat(length * np.sin(angle), height - length * np.cos(angle))
-        for angle, length in zip(angles, motion.lengths, strict=True)
-    ]
+    pivot, _ = motion.at(times)
+    points = [projection.flat(x, y) for x, y in (pivot, *motion.balls(times))]
     return np.moveaxis(np.array(points), (0, 1), (-2, -1)).copy()
 
 
