@@ -62,6 +62,16 @@ def test_a_given_way_out_takes_the_place_of_the_usual_one():
     assert str(error) == "must lie in [0, 1]; ask"
 
 
+def test_a_further_way_out_keeps_the_parts_of_both():
+    error = broken_rule("shortest_stage", {"shortest": 0.5})
+    error.add_way_out(sentence("meant", name="length"))
+    assert error.parts()["way_out"]["name"] == "meant"
+    error.add_way_out(sentence("meant", name="radius"))
+    assert str(error).endswith("; did you mean 'length'?; did you mean 'radius'?")
+    both = error.parts()["way_out"]["values"].values()
+    assert [each["values"]["name"] for each in both] == ["length", "radius"]
+
+
 def test_the_kind_of_an_error_can_be_another():
     class OddError(InputError):
         pass

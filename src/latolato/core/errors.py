@@ -118,8 +118,6 @@ class InputError(ValueError):
     ----------
     where : str
         The file that holds the input, "" if none does; begins the text.
-    named : NamedRule or None
-        The rule in its table, if it has a name there.
 
     Examples
     --------
@@ -147,7 +145,6 @@ class InputError(ValueError):
         self.has_value: bool = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
-        self.named: NamedRule | None = None
 
     def worded(self, name: str | None) -> str:
         """Return the whole text on one line, with this name for the parameter."""
@@ -176,19 +173,13 @@ class InputError(ValueError):
 
         Sentences are as `in_parts` has them.
         """
-
-        def sentence(part: str, text: str) -> Any:
-            # A way out may have been replaced, or another one added.
-            known = Sentence(self.named, part) if self.named else text
-            return in_parts(known if known == text else text)
-
-        result = {"rule": sentence("rule", self.rule), "parameter": self.parameter}
+        result = {"rule": in_parts(self.rule), "parameter": self.parameter}
         if self.where:
             result["where"] = self.where
         if self.has_value:
             result["value"] = _plain(self.value)
         if self.way_out is not None:
-            result["way_out"] = sentence("way_out", self.way_out)
+            result["way_out"] = in_parts(self.way_out)
         try:
             json.dumps(result, allow_nan=False)
         except (TypeError, ValueError):
@@ -197,7 +188,7 @@ class InputError(ValueError):
 
     def add_way_out(self, text: str) -> None:
         """Say one more thing that can be done."""
-        self.way_out = text if self.way_out is None else f"{self.way_out}; {text}"
+        self.way_out = text if self.way_out is None else joined([self.way_out, text], "; ")
 
     def __str__(self) -> str:
         return self.worded(self.parameter)

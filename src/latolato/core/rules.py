@@ -253,8 +253,4 @@ def broken_rule(
     """
     named = NamedRule(name, *table[name], values or {})
     usual = Sentence(named, "way_out")
-    error = kind(
-        Sentence(named), parameter=parameter, value=value, way_out=way_out or usual or None
-    )
-    error.named = named
-    return error
+    return kind(Sentence(named), parameter=parameter, value=value, way_out=way_out or usual or None)

@@ -10,7 +10,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from latolato.core.errors import InputError, NamedRule
+from latolato.core.errors import NOT_GIVEN, InputError
+from latolato.core.rules import Rule, broken_rule
 
 
 class Problem(NamedTuple):
@@ -177,12 +178,10 @@ def refusal(number: int, values: Sequence[Any]) -> InputError:
     """
     problem = PROBLEMS[number]
     named = {name: float(x) for name, x in zip(problem.values, values, strict=False)}
-    given = {"value": named[problem.value]} if problem.value else {}
-    error = InputError(
-        problem.rule.format(parameter="{parameter}", **named),
+    return broken_rule(
+        problem.name,
+        named,
         parameter=problem.parameter,
-        way_out=problem.way_out.format(**named) or None,
-        **given,
+        value=named.get(problem.value, NOT_GIVEN),
+        table={problem.name: Rule(problem.rule, problem.way_out)},
     )
-    error.named = NamedRule(problem.name, problem.rule, problem.way_out, named)
-    return error
