@@ -25,6 +25,7 @@ from latolato.app.experiment.description import fields, fit_kinds
 from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
 from latolato.core.rules import RULES
+from latolato.experiment.fits.decay import LAWS
 from latolato.experiment.fits.result import quantity_of
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.io.tables.cells import DELIMITER_NAMES
@@ -44,8 +45,8 @@ TOLD = ("title", "summary", "text", "question", "answer", "label")
 WORDS = (
     "contact", "contact law", "drag_frame 'lab'", "drive", "got", "observable", "option",
     "parameter", "strings", "system", "value",
-    # of the largest videos, and of tables
-    "s", "pixels", "frames", "bytes", "table", "tables",
+    # of fits, of the largest videos, and of tables
+    *LAWS, "s", "pixels", "frames", "bytes", "table", "tables",
     *(kind.name for kind in KINDS), *DELIMITER_NAMES.values(),
 )  # fmt: skip
 # Numbers that fits give, and columns that they need.

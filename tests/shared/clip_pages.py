@@ -98,7 +98,9 @@ def _texts_in(said):
     if not isinstance(said, dict):
         return []
     if "word" in said:
-        return [] if said["word"] in TEXTS else [said["word"]]
+        word = said["word"]
+        # One that begins a sentence has a capital.
+        return [] if {word, word[:1].lower() + word[1:]} & set(TEXTS) else [word]
     parts = said["values"] if "values" in said else {k: v for k, v in said.items() if k != "value"}
     return [text for each in parts.values() for text in _texts_in(each)]
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import numpy as np
 
-from latolato.core.errors import InputError, Sentence, joined
+from latolato.core.errors import InputError, Sentence, Word, joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.fits.adequacy import solutions_of
@@ -291,7 +291,7 @@ def _by_equation(
     if compare:
         sentences += _law_verdict(laws, chosen)
     if chosen != law:
-        sentences.append(said("lost_law", law=law, chosen=chosen))
+        sentences.append(said("lost_law", law=Word(law), chosen=Word(chosen)))
     curves: dict[str, tuple[str, Any]] = {}
     if laws:
         curves |= {
@@ -518,7 +518,7 @@ def _converged(
                 profiles = [*terms, "natural_frequency"]
                 best = fit_equation(data, best.values, terms, aside, profiles=profiles)
             return name, best, alone
-    raise broken("lost_fit", {"law": law}, kind=ConvergenceError)
+    raise broken("lost_fit", {"law": Word(law)}, kind=ConvergenceError)
 
 
 def _shared(first: Mapping[str, float], terms: Sequence[str]) -> dict[str, float]:
@@ -620,7 +620,7 @@ def _equation_verdict(
         *_drag_words(estimates, law),
         said("dynamic_length", length=str(length), gravity=body.gravity),
     ]
-    words = [said("equation_gives", law=law, numbers=joined(numbers, ", "))]
+    words = [said("equation_gives", law=Word(law), numbers=joined(numbers, ", "))]
     if body.length is not None:
         away = length.value / body.length - 1.0
         limit = max(3.0 * length.sigma / body.length, 0.003)
@@ -646,31 +646,29 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> list[Sentence]:
     near = [name for name, gap in ahead.items() if gap < _WEAK]
     clear = [name for name, gap in ahead.items() if gap >= _STRONG]
     *others, last = [n for n in COEFFICIENTS if n in clear] or [""]
-    excluded: str = said("excluded_law", law=last) if last else ""
+    excluded: str = said("excluded_law", law=Word(last)) if last else ""
     if others:
-        excluded = said("excluded_laws", laws=", ".join(others), last=last)
+        excluded = said("excluded_laws", laws=_words(others), last=Word(last))
     if not ahead:
-        words = [said("only_law", law=best.capitalize(), excluded=excluded)]
+        words = [said("only_law", law=Word(best.capitalize()), excluded=excluded)]
     elif near:
-        alike = ", ".join([best.capitalize(), *near[:-1]])
-        words = [said("alike_laws", laws=alike, last=near[-1], excluded=excluded)]
+        alike = _words([best.capitalize(), *near[:-1]])
+        words = [said("alike_laws", laws=alike, last=Word(near[-1]), excluded=excluded)]
     else:
         rival = order[1]
-        words = [
-            said(
-                "best_law",
-                law=best.capitalize(),
-                ahead=ahead[rival],
-                rival=rival,
-                excluded=excluded,
-            )
-        ]
+        lead = {"ahead": ahead[rival], "rival": Word(rival)}
+        words = [said("best_law", law=Word(best.capitalize()), **lead, excluded=excluded)]
     if chosen in clear:
-        words.append(said("excluded_choice", law=chosen))
+        words.append(said("excluded_choice", law=Word(chosen)))
     if lost:
         rule = "law_not_compared" if len(lost) == 1 else "laws_not_compared"
-        words.append(said(rule, count=len(LAWS), laws=", ".join(lost)))
+        words.append(said(rule, count=len(LAWS), laws=_words(lost)))
     return words
+
+
+def _words(laws: Iterable[str]) -> Sentence:
+    """Return the names of drag laws as one text."""
+    return joined(map(Word, laws), ", ")
 
 
 def _envelope_verdict(estimates: Mapping[str, Estimate]) -> Sentence:

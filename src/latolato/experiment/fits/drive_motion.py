@@ -9,11 +9,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.core.errors import Sentence
+from latolato.core.errors import Sentence, Word
 from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.result import TWO_SIDED, Estimate
 from latolato.experiment.rules import broken, said
-from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic, drives
+from latolato.physics.drives import Drive, Harmonic, PlanarHarmonic
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -226,7 +226,7 @@ def with_across(drive: Drive, across: Across) -> tuple[Drive, Sentence]:
     lead = str(across.lead.scaled(math.copysign(1.0, across.lead.value), "rad"))
     rule = "horizontal_ahead" if across.lead.value > 0.0 else "horizontal_behind"
     if not isinstance(drive, Harmonic):
-        left = said("left_out_by", drive=drives.name_of(drive))
+        left = said("left_out_by", drive=Word(type(drive).__name__))
         return drive, said(rule, size=size, lead=lead, left=left)
     planar = PlanarHarmonic(
         vertical_amplitude=drive.drive_amplitude,

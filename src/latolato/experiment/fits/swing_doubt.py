@@ -9,7 +9,7 @@ from functools import partial
 
 import numpy as np
 
-from latolato.core.errors import InputError, Sentence
+from latolato.core.errors import InputError, Sentence, Word
 from latolato.experiment.fits.adequacy import (
     SMALL,
     Cut,
@@ -130,7 +130,7 @@ def _of_whole(
     few = data[:: max(1, len(data) // _ENOUGH)]
     p = {**dict.fromkeys(COEFFICIENTS, 1e-3), **whole.values}
     size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
-    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, dict[str, str]]] = []
+    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, dict[str, Word]]] = []
     for factor, rule in _UNITS:
         other = replace(few, values=factor * few.values, sigmas=factor * few.sigmas)
         if np.ptp(other.values) < math.tau:
@@ -147,7 +147,7 @@ def _of_whole(
     }
     for laws in _LAWS:
         if laws != tuple(terms):
-            names = {"law": "+".join(terms), "other": "+".join(laws)}
+            names = {"law": Word("+".join(terms)), "other": Word("+".join(laws))}
             tries.append((few, {**p, **starts}, laws, "other_drag", names))
     try:
         plain = deviance([fit_equation(few, whole.values, terms, aside, limit=_TRIES)])
