@@ -24,6 +24,7 @@ from latolato.app.analyse.forms import label_of
 from latolato.app.experiment.description import fields, fit_kinds
 from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
+from latolato.app.rules import RULES as OF_WORK
 from latolato.core.rules import RULES
 from latolato.experiment.fits.decay import LAWS
 from latolato.experiment.fits.result import quantity_of
@@ -154,7 +155,7 @@ def sentences_of_rules() -> dict[str, dict[str, str]]:
     """Return the sentences of all rules that pages know, by the names of the rules."""
     problems = {problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS}
     tables: tuple[Mapping[str, Any], ...] = (
-        RULES, OF_ANALYSES, OF_MEASUREMENTS, OF_TABLES, FINDINGS, problems,
+        RULES, OF_WORK, OF_ANALYSES, OF_MEASUREMENTS, OF_TABLES, FINDINGS, problems,
     )  # fmt: skip
     names = [name for table in tables for name in table]
     assert len(set(names)) == len(names)

@@ -88,7 +88,7 @@ def test_numbers_that_are_texts_are_refused():
         (lambda text: "time,angle\n0,1\n", "is not a track table"),
         (lambda text: text.replace("[rad]: angle of", "[deg]: angle of"), r"must be \[rad\]"),
         (lambda text: text.replace("# column time [s]: time\n", ""), r"'time' must be \[s\]"),
-        (lambda text: text.replace("pivot_x,", "pivot,"), "pivot_x is missing"),
+        (lambda text: text.replace("pivot_x,", "pivot,"), "of a track table: pivot_x"),
         (lambda text: text + "1,2\n", "row 5 has 2 cells"),
         (lambda text: text.replace("\n1,0.016", "\n1,-0.016"), "time must increase"),
         (lambda text: text.replace("0.016", "soon"), "'time' must hold numbers, got 'soon'"),

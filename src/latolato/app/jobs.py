@@ -21,8 +21,9 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 
 from latolato.app.answers import Body, body_of, message_of
 from latolato.app.blocks import pack
+from latolato.app.rules import RULES
 from latolato.app.worker import STATUS, Compute, Result, run_apart, stand_back, status_in
-from latolato.core.errors import InputError
+from latolato.core.rules import broken_rule
 
 # Time between two frames that say how far a job is [s].
 _PAUSE = 0.2
@@ -128,6 +129,4 @@ async def _result(job: Job, folder: Path) -> Result:
             run_apart, job.compute, job.request, folder, cancellable=True
         )
     except (anyio.BrokenWorkerProcess, ProcessLookupError):  # the latter of one that just started
-        raise InputError(
-            "the computation ended by itself: there was too little memory, or a file is broken"
-        ) from None
+        raise broken_rule("ended_by_itself", table=RULES) from None

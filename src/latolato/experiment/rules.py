@@ -383,7 +383,20 @@ RULES = {
     ),
     "few_rates": Rule("{rate} needs at least 8 numbers at increasing times"),
     "few_turns_of_rate": Rule("an angle from {rate} needs a swing with at least 6 turning points"),
-    # why a video cannot be read
+    # why a track table cannot be read
+    "lacking_columns": Rule("it lacks these columns of a track table: {names}"),
+    "no_row": Rule("a track table needs rows"),
+    "unit_of_column": Rule("the unit of column '{parameter}' must be [{unit}]"),
+    "numbers_of_column": Rule("column '{parameter}' must hold numbers"),
+    "whole_numbers_of_column": Rule("column '{parameter}' must hold whole numbers"),
+    "infinite_numbers": Rule(
+        "column '{parameter}' must not hold infinite numbers", "write NaN for unknown ones"
+    ),
+    "missing_in_row": Rule("must be known in every row, but is missing in row {row}"),
+    "falling_row": Rule(
+        "must increase strictly, above {last:g} in row {row}", "sort the rows and remove repeats"
+    ),
+    # why a video cannot be read; FFmpeg's own reasons are quoted in English
     "empty_video": Rule("it is empty"),
     "not_video": Rule("it cannot be read as a video: {fault}"),
     "empty_container": Rule("it cannot be read as a video: it is empty"),

@@ -90,15 +90,13 @@ def track_table(
     known = names + column_names(balls, _OPTIONAL)
     for name in columns:
         if name not in known:
-            raise InputError(
-                f"a track table has no column '{name}'", way_out=suggest(name, list(known))
-            )
+            raise broken("no_target", {"name": name}, way_out=suggest(name, list(known)))
     if "time" not in columns:
         raise InputError("a track table needs the column 'time' [s]")
     arrays = {name: _values(name, value) for name, value in columns.items()}
     count = len(arrays["time"])
     if count == 0:
-        raise InputError("a track table needs rows")
+        raise broken("no_row")
     for name, values in arrays.items():
         if values.shape != (count,):
             raise InputError(
@@ -259,15 +257,12 @@ def read_table(path: str | Path) -> xr.Dataset:
         balls = 2 if {"angle_2", "flag_2"} & columns.keys() else 1
         missing = [name for name in column_names(balls) if name not in columns]
         if missing:
-            raise InputError(f"column {', '.join(missing)} is missing")
+            raise broken("lacking_columns", {"names": ", ".join(missing)})
         for name in columns:
             unit = parts[name][1].get("units", "")
             if name in QUANTITIES and unit != QUANTITIES[name].unit:
-                raise InputError(
-                    f"the unit of column '{{parameter}}' must be [{QUANTITIES[name].unit}]",
-                    parameter=name,
-                    value=unit,
-                )
+                expected = {"unit": QUANTITIES[name].unit}
+                raise broken("unit_of_column", expected, parameter=name, value=unit)
         attributes = {key: _plain(value) for key, value in attributes.items()}
         known = {*column_names(balls), *_OPTIONAL}
         # A NetCDF file may hold more about its frames, as the truth of a synthetic video does.
@@ -302,16 +297,12 @@ def _values(name: str, column: Any) -> Any:
     try:
         numbers = values.astype(np.float64)
     except (TypeError, ValueError):
-        raise InputError(
-            "column '{parameter}' must hold numbers", parameter=name, value=_first_text(values)
-        ) from None
+        raise broken("numbers_of_column", parameter=name, value=_first_text(values)) from None
     if np.any(np.isinf(numbers)):
-        raise InputError(
-            f"column '{name}' must not hold infinite numbers", way_out="write NaN for unknown"
-        )
+        raise broken("infinite_numbers", parameter=name)
     if name == "frame":
         if not np.all(numbers == np.floor(numbers)):
-            raise InputError("column 'frame' must hold whole numbers")
+            raise broken("whole_numbers_of_column", parameter=name)
         return numbers.astype(np.int64)
     return numbers
 
@@ -330,18 +321,12 @@ def _check_increasing(name: str, values: Any) -> None:
     """Raise InputError unless each value is known and larger than the one before."""
     if not np.all(np.isfinite(values)):
         row = int(np.argmin(np.isfinite(values)))
-        raise InputError(
-            f"must be known in every row, but is missing in row {row + 1}", parameter=name
-        )
+        raise broken("missing_in_row", {"row": row + 1}, parameter=name)
     falls = np.flatnonzero(np.diff(values) <= 0)
     if falls.size:
         i = int(falls[0])
-        raise InputError(
-            f"must increase strictly, above {values[i]:g} in row {i + 2}",
-            parameter=name,
-            value=float(values[i + 1]),
-            way_out="sort the rows and remove repeats",
-        )
+        place = {"last": float(values[i]), "row": i + 2}
+        raise broken("falling_row", place, parameter=name, value=float(values[i + 1]))
 
 
 def _attributes(entries: Mapping[str, Any]) -> dict[str, Any]:

@@ -9,9 +9,10 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from latolato.core.errors import InputError, import_extra
+from latolato.core.errors import InputError, import_extra, reading
 from latolato.core.quantities import QUANTITIES, in_brackets
 from latolato.core.rules import broken_rule
+from latolato.io.tables.rules import broken, said
 
 # Values and attributes of variables along one dimension.
 Columns = dict[str, tuple[Any, dict[str, Any]]]
@@ -49,12 +50,11 @@ def read_columns(path: Path, suffix: str) -> tuple[Columns, dict[str, Any]]:
     """
     if suffix == ".parquet":
         return _read_parquet(path)
-    try:
-        return parse_columns(path.read_text(encoding="utf-8-sig"))
-    except UnicodeDecodeError:
-        raise InputError(f"'{path}' is not a text file", way_out="save it as UTF-8 text") from None
-    except InputError as error:
-        raise InputError(f"'{path}': {error}") from None
+    with reading(path):
+        try:
+            return parse_columns(path.read_text(encoding="utf-8-sig"))
+        except UnicodeDecodeError:
+            raise broken("is_no_text", {"subject": said("this_file")}) from None
 
 
 def parse_columns(text: str) -> tuple[Columns, dict[str, Any]]:

@@ -10,9 +10,11 @@ from typing import Any, Protocol
 from latolato.app.answers import Body
 from latolato.app.experiment.store import UPLOAD, Clip, Store
 from latolato.app.jobs import Job
+from latolato.app.rules import RULES
 from latolato.app.worker import Result
 from latolato.core.errors import InputError
 from latolato.core.registry import checked_choice
+from latolato.core.rules import broken_rule
 
 
 class Progress(Protocol):
@@ -79,10 +81,11 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Res
             job, lambda stage, share: progress(share, stage)
         )
     except MemoryError:
-        raise InputError("this file needs more memory than there is: make it smaller") from None
+        raise broken_rule("large_for_memory", table=RULES) from None
     except (InputError, OSError) as error:
         if isinstance(error, InputError):
-            error.where = job["name"] if error.where == job["path"] else error.where
+            is_of_clip = error.where and Path(error.where).parent == folder
+            error.where = job["name"] if is_of_clip else error.where
             if job["path"] not in str(error):
                 raise
         parameter = error.parameter if isinstance(error, InputError) else None

@@ -27,7 +27,8 @@ from latolato.app.experiment.jobs import prepare, trial_rows
 from latolato.app.experiment.store import COPY, FILES, Store
 from latolato.app.jobs import GONE, serve_job
 from latolato.app.run_request import TooLargeError
-from latolato.core.errors import InputError, in_parts
+from latolato.core.errors import InputError, in_parts, reading
+from latolato.experiment.rules import broken
 from latolato.simulation.summary import plain
 
 
@@ -60,7 +61,8 @@ async def _upload(request: Request) -> Response:
                     )
                 await run_in_threadpool(file.write, part)
         if not size:
-            raise InputError(f"{clip.name} is empty")
+            with reading(clip.name):
+                raise broken("empty_video")
     except BaseException as error:
         store.remove(clip)
         if isinstance(error, ClientDisconnect):
