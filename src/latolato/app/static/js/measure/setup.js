@@ -201,9 +201,10 @@ export class Setup {
    * Return the quantities that belong to a clip, as texts with units.
    * @param {import("./session.js").Clip} clip
    */
-  quantities({ sheet }) {
+  quantities({ sheet, shape, hasStick }) {
     const open = sheet && openOf(sheet);
-    const asked = [...FIRST, ...REST, ...(sheet ? [] : [...CAMERA, ...SIZES]),
+    const ofVideo = [...CAMERA, ...(shape === "disc" ? [] : ["patch"]), ...(hasStick ? ["stick_length"] : [])];
+    const asked = [...FIRST, ...REST, ...(sheet ? [] : ofVideo),
       ...(open?.frames ? ["frame_rate"] : []), ...(open?.pivot ? PIVOT : [])];
     return Object.fromEntries(Object.entries(this.values).filter(([name]) => asked.includes(name)));
   }
