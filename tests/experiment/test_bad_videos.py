@@ -228,7 +228,9 @@ def test_a_ball_that_is_nowhere_is_refused(tmp_path, capsys):
 
 def test_too_few_frames_are_refused(tmp_path, capsys):
     path = encoded(tmp_path / "short.mp4", GREY[:4])
-    assert "too few frames, 4:" in refused(capsys, tmp_path, path, *CLICKS)
+    assert "4 frames are too few: tracking needs at least 8" in refused(
+        capsys, tmp_path, path, *CLICKS
+    )
 
 
 def test_a_sidecar_of_another_video_is_refused(swing, toy, tmp_path, capsys):

@@ -97,7 +97,7 @@ def test_a_ball_that_comes_later_is_pointed_at_where_it_is(swing, tmp_path):
         ({"start": 2.0, "end": 1.0}, r"end must lie after start \(2 s\), got 1"),
         ({"start": 9.0}, "start must lie before the end of the video at 2.48333 s, got 9"),
         ({"start": 1.001, "end": 1.002}, "no frame lies between start"),
-        ({"start": 1.0, "end": 1.1}, "too few frames, 7: tracking needs 8 or more"),
+        ({"start": 1.0, "end": 1.1}, "7 frames are too few: tracking needs at least 8"),
         ({"click_frame": 150}, "the video has no frame 150"),
         ({"click_frame": -1}, "click_frame must lie in"),
     ],
@@ -186,6 +186,6 @@ def test_a_region_may_be_larger_than_the_picture_but_not_beside_it(swing):
 def test_a_picture_that_stands_on_its_head_is_refused(swing, tmp_path):
     path = _changed(swing, tmp_path / "turned.mp4", lambda k, each: each[::-1, ::-1].copy())
     (u, v), balls = swing.pivot, [(319 - x, 239 - y) for x, y in swing.balls]
-    with pytest.raises(InputError, match="stands on its head") as caught:
+    with pytest.raises(InputError, match="is upside down") as caught:
         ll.track(path, pivot=(319 - u, 239 - v), balls=balls, length=swing.length)
     assert "ffmpeg" in caught.value.way_out

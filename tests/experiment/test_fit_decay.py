@@ -222,7 +222,7 @@ def test_a_fit_that_does_not_converge_at_all_says_so_and_blames_no_unit(monkeypa
         solve(lambda p: np.full(50, p["a"] + p["b"]), {"a": Guess(3.0), "b": Guess(5.0)}, data,
               limit=3)  # fmt: skip
     assert str(caught.value) == (
-        "the fit of a, b did not converge in 3 trials; fit fewer parameters, or use another part"
+        "the fit of a and b did not converge in 3 trials; fit fewer parameters, or use another part"
     )
 
 
@@ -230,7 +230,7 @@ def test_a_solution_that_follows_next_to_no_sample_is_refused():
     # Of most samples the model knows nothing: all that lie 5 rad from it would be outliers.
     first, second = np.eye(50)[:2]
     data = Data(np.arange(50.0), 5.0 + noise(50, 1), np.full(50, 1e-3), np.zeros(50, dtype=int))
-    with pytest.raises(ConvergenceError, match="the fit of a, b follows only 2 of 50 samples"):
+    with pytest.raises(ConvergenceError, match="the fit of a and b follows only 2 of 50 samples"):
         solve(lambda p: p["a"] * first + p["b"] * second, {"a": Guess(3.0), "b": Guess(4.0)}, data)
 
 

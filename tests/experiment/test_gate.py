@@ -10,7 +10,7 @@ import pytest
 import latolato as ll
 from conditions import conditions
 from latolato.cli.main import main
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, Sentence
 from latolato.experiment import follow
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -61,7 +61,8 @@ def _ok_share(path, pivot, ball, **arguments):
 def _assert_refused(path, pivot, ball, match, **arguments):
     with pytest.raises(InputError, match=match) as caught:
         ll.track(path, pivot=pivot, balls=[ball], **arguments)
-    assert caught.value.way_out
+    # Pages say both in their language.
+    assert all(isinstance(part, Sentence) for part in (caught.value.rule, caught.value.way_out))
 
 
 quiet = pytest.mark.filterwarnings("ignore::RuntimeWarning")

@@ -96,7 +96,7 @@ def test_what_leaps_about_at_its_place_and_is_often_lost_is_no_ball():
     seen.centres[:, 0] = [455.0, 220.0]
     seen.centres[:, 0] += np.random.default_rng(1).normal(0.0, 1.2, (100, 2))
     _check_motion(seen, 0.9)  # a ball at rest that is always seen
-    with pytest.raises(InputError, match="rests: it leaps about"):
+    with pytest.raises(InputError, match="does not swing: it jumps about"):
         _check_motion(seen, 0.5)
     seen.centres[:, 0, 0] = 455.0 + 4.0 * np.sin(5.0 * times)
     _check_motion(seen, 0.5)  # a small swing

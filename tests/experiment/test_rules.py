@@ -14,9 +14,14 @@ FOLDER = Path(latolato.__file__).parent
 
 
 def nodes_of(*folders):
+    """Return what code consists of, without the tables of the rules."""
     paths = [path for part in folders for path in (FOLDER / part).rglob("*.py")]
-    trees = [ast.parse(path.read_text("utf-8")) for path in paths if path.name != "rules.py"]
-    return [node for tree in trees for node in ast.walk(tree)]
+    parts = [part for path in paths for part in ast.parse(path.read_text("utf-8")).body]
+    return [node for part in parts if not is_table(part) for node in ast.walk(part)]
+
+
+def is_table(part):
+    return isinstance(part, ast.Assign) and ast.unparse(part.targets[0]) == "RULES"
 
 
 # Rules, and the code that says them.

@@ -165,7 +165,7 @@ def test_a_ball_whose_rim_is_out_of_the_picture_has_no_edge_to_measure():
     shots = _shots(22.0, 0.9)
     for shot in shots:
         shot.wall[np.hypot(*(np.indices((91, 91)) - 45)) > 10.0] = np.nan
-    with pytest.raises(ll.InputError, match="out of the picture"):
+    with pytest.raises(ll.InputError, match="outside the picture"):
         measured_edge(shots, 22.0, 0.9, is_far=False)
 
 

@@ -13,8 +13,8 @@ from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_c
 from latolato.experiment.calibration.lens import undistorted
 from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
-from latolato.experiment.rules import said
-from latolato.experiment.sidecar import OUTSIDE, Setup
+from latolato.experiment.rules import broken, place_text, said
+from latolato.experiment.sidecar import Setup
 from latolato.experiment.task import READ, Progress, Task, part_of
 from latolato.experiment.tracking.body import ROUND, SHARE
 from latolato.experiment.tracking.gate import examine
@@ -129,10 +129,7 @@ def _found(task: Task, sample: Sample, route: Route, progress: Progress | None) 
         scene, seen = _followed(task, sample, np.array(pivot), route, progress)
         return Track(scene, seen, _calibrated(task, sample, scene, seen))
     if task.setup.shape == "template":
-        raise InputError(
-            "a bob that is not a disc can only be followed about a pivot in the picture",
-            way_out="point at the pivot, or at a disc on the bob",
-        )
+        raise broken("bob_without_pivot")
     path = _positions(task, sample, route)
     circle = _circle_of(task, path)
     if isinstance(circle, Sentence):
@@ -190,12 +187,8 @@ def _followed(
     expected = radius / scale.metres if radius and scale else None
     seen_radius = math.nan if route.is_traced else route.detected_radius
     if is_disc and expected and abs(math.log(expected / seen_radius)) > math.log(_OTHER_SIZE):
-        raise InputError(
-            f"what moves there has a radius of about {seen_radius:.0f} pixels, the declared radius "
-            f"is {expected:.3g} pixels by the scale",
-            way_out="check radius and length (from pivot to ball centre); without a radius it is "
-            "measured",
-        )
+        sizes = {"radius": f"{seen_radius:.0f}", "declared": f"{expected:.1f}"}
+        raise broken("other_radius", sizes)
     scene = learned(expected)
     is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
     if is_off and is_disc:
@@ -255,12 +248,10 @@ def _corrections(task: Task, sample: Sample) -> Corrections:
     first, count = task.video.first_frame, len(task.setup.balls)
     for number, ball, *place in task.setup.corrections:
         if not 0 <= number - first < len(sample.times):
-            raise InputError(
-                f"frame {number} is corrected, but only frames {first} to "
-                f"{first + len(sample.times) - 1} are used"
-            )
+            last = first + len(sample.times) - 1
+            raise broken("unused_correction", {"frame": number, "first": first, "last": last})
         if ball > count:
-            raise InputError(f"ball {ball} is corrected in frame {number}, but there is only one")
+            raise broken("correction_of_none", {"ball": ball, "frame": number})
         places.setdefault(number - first, {})[ball - 1] = np.array(place)
     steadier = task.video.steadier
 
@@ -298,16 +289,13 @@ def _check_motion(seen: Positions, clean: float) -> None:
     if clean > _SELDOM or not follows.any():
         return
     steps, places = np.diff(seen.centres, axis=0)[follows], seen.centres[seen.is_measured]
-    u, v = places.mean(axis=0)
+    middle = places.mean(axis=0)
     step, scatter = (
-        float(np.sqrt(np.mean(np.sum(away**2, axis=-1)))) for away in (steps, places - [u, v])
+        float(np.sqrt(np.mean(np.sum(away**2, axis=-1)))) for away in (steps, places - middle)
     )
     if step > scatter:
-        raise InputError(
-            f"what was taken for the ball, at ({u:.0f}, {v:.0f}), rests: it leaps about by "
-            f"{scatter:.1f} pixels without swinging",
-            way_out="point at the middle of a ball that moves",
-        )
+        values = {"place": place_text(middle), "scatter": f"{scatter:.1f}"}
+        raise broken("jumping_ball", values)
 
 
 def _believed(
@@ -322,16 +310,16 @@ def _believed(
         unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
         seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
     share = float(seen.is_measured.mean())
-    places = " and ".join(f"({u:.0f}, {v:.0f})" for u, v in balls)
     factor = task.setup.slow_motion
-    pace = f"check the slow motion of {factor:g}: a wrong one makes the ball hard to follow"
+    pace = said("wrong_pace", factor=factor)
     clean = seen.clean_share(~sample.repeats)
     if share < _NEVER or clean < _HARDLY:
-        raise InputError(
-            f"what was taken for the ball, at {places} in frame {task.setup.click_frame}, is found "
-            f"in {100.0 * share:.0f} % of the samples only ({100.0 * clean:.0f} % are ok)",
-            way_out="point at the middle of the ball" + (f", or {pace}" if factor != 1.0 else ""),
-        )
+        shares = {"percent": f"{100.0 * share:.0f}", "clean": f"{100.0 * clean:.0f}"}
+        values = {"place": place_text(*balls), "frame": task.setup.click_frame, **shares}
+        error = broken("rarely_found", values)
+        if factor != 1.0:
+            error.add_way_out(pace)
+        raise error
     for finding in examine(sample, seen, balls, radius):
         if finding.is_refusal:
             raise finding.fault
@@ -341,7 +329,7 @@ def _believed(
     share = float(seen.is_measured.mean())
     if factor != 1.0 and share < _OFTEN:
         percent = f"{100.0 * share:.0f}"
-        task.warnings.append(said("hard_to_follow", percent=percent, factor=factor))
+        task.warnings.append(said("hard_to_follow", percent=percent, advice=pace))
     elif seen.clean_share(~sample.repeats) < _SELDOM:
         task.warnings.append(seen.gaps_text(~sample.repeats))
     return seen
@@ -373,11 +361,7 @@ def _calibrated(
 def _check_alone(route: Route) -> None:
     """Refuse a ball that meets one of the same look that nobody pointed at."""
     if math.isfinite(route.meets):
-        raise InputError(
-            f"a second ball that looks the same meets this one, at {route.meets:.4g} s: from then "
-            "on one may be taken for the other",
-            way_out="point at both (--balls 2), or end before they meet (--end)",
-        )
+        raise broken("second_ball", {"time": route.meets})
 
 
 def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:
@@ -386,14 +370,9 @@ def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> Non
     off = scene.off(away) > max(route.radius, _OFF * scene.arm)
     if not len(away) or np.mean(off) < _ASTRAY:
         return
-    low, high = np.quantile(np.hypot(*away.T), [0.05, 0.95])
-    u, v = np.median(pivots, axis=0)
-    raise InputError(
-        f"what was taken for the ball is {low:.0f} to {high:.0f} pixels from the pivot at "
-        f"({u:.0f}, {v:.0f}), so it does not swing about it",
-        way_out="point at the middle of the ball and at the pivot about which it swings, or use "
-        f"'{OUTSIDE}' if the picture does not show the pivot",
-    )
+    low, high = (f"{end:.0f}" for end in np.quantile(np.hypot(*away.T), [0.05, 0.95]))
+    place = place_text(np.median(pivots, axis=0))
+    raise broken("other_pivot", {"low": low, "high": high, "place": place})
 
 
 def _doubt(scene: ImageModel) -> float:

@@ -5,7 +5,7 @@ The pages translate a sentence by its name, as those of `latolato.core.rules`.
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import Any
 
@@ -14,6 +14,9 @@ from latolato.core.rules import Rule, broken_rule, sentence
 
 _BALL = "point at the middle of the ball that swings, or give its radius and length"
 RULES = {
+    # lists in words
+    "and_last": Rule("{others} and {last}"),
+    "others": Rule("{count} others"),
     # of any fit
     "withheld": Rule("No number of this fit is a result. Its values are kept for inspection."),
     "withheld_whole": Rule(
@@ -398,18 +401,18 @@ RULES = {
     ),
     # why a video cannot be read; FFmpeg's own reasons are quoted in English
     "empty_video": Rule("it is empty"),
-    "not_video": Rule("it cannot be read as a video: {fault}"),
+    "not_video": Rule("it cannot be read as a video (FFmpeg: '{fault}')"),
     "empty_container": Rule("it cannot be read as a video: it is empty"),
     "no_stream": Rule("it holds no video stream, only sound or data"),
     "frames_without_size": Rule("the size of its frames is unknown"),
     "no_decoded_frame": Rule("no frame could be decoded"),
-    "decoding_fails": Rule("decoding fails ({fault})"),
+    "decoding_fails": Rule("its frames cannot be decoded (FFmpeg: '{fault}')"),
     "missing_end": Rule("the file is cut off: its last {count} bytes are missing", "copy it again"),
     "missing_part": Rule(
         "the file is cut off: {count} frames are there, {seconds} of {declared} s", "copy it again"
     ),
     "damaged_video": Rule(
-        "the file is damaged: frame {count} cannot be decoded ({fault})",
+        "the file is damaged: frame {count} cannot be decoded (FFmpeg: '{fault}')",
         "copy it again, or use the part before that (--end)",
     ),
     "interlaced": Rule(
@@ -441,6 +444,96 @@ RULES = {
     "frames_so_far": Rule("{count} frames are there"),
     "seconds_in_all": Rule("it is {seconds:.4g} s long"),
     "frames_in_all": Rule("it has {count} frames"),
+    "too_few_frames": Rule("{count} frames are too few: tracking needs at least {least}"),
+    # why a video cannot be tracked: what the user pointed at and gave
+    "half_stick": Rule("is missing: a stick needs both of its ends and its length"),
+    "short_stick": Rule(
+        "the ends of a stick must be at least {least:g} pixels apart in the picture"
+    ),
+    "outside_region": Rule(
+        "the ball at {place} lies outside the region from {one} to {other}",
+        "make the region larger",
+    ),
+    "pivot_on_ball": Rule("pivot and ball must be at least {least:g} pixels apart"),
+    "near_balls": Rule(
+        "two balls must be at least {least:g} pixels apart",
+        "point at each of them, or at one only",
+    ),
+    "pivot_at_edge": Rule(
+        "the pivot at {place} must lie at least {least} pixels inside the picture"
+    ),
+    "long_readout": Rule("must let {rows} rows fit between two frames {pause:.3g} s apart"),
+    "unused_correction": Rule(
+        "frame {frame} is corrected, but only frames {first} to {last} are used",
+        "remove the correction, or use that frame too",
+    ),
+    "correction_of_none": Rule(
+        "ball {ball} is corrected in frame {frame}, but there is only one",
+        "remove the correction, or point at both balls",
+    ),
+    "bob_without_pivot": Rule(
+        "a bob that is not a disc can only be followed about a pivot in the picture",
+        "point at the pivot, or at a disc on the bob",
+    ),
+    "two_lengths": Rule(
+        "the balls are {one} and {other} pixels from their pivots: one length cannot fit both",
+        "leave out the length here, and give it in the fit of each ball",
+    ),
+    # what is seen where the user pointed
+    "small_disc": Rule(
+        "no ball with a rim was found at {place}: the disc there is {width} pixels wide",
+        "point at the middle of the ball, or give its radius and length",
+    ),
+    "like_surroundings": Rule(
+        "what was pointed at looks like its surroundings", "point at the middle of the ball"
+    ),
+    "found_once": Rule(
+        "no ball like the one at {place} was found in other frames",
+        "point at the middle of the ball, and check radius and length if you gave them",
+    ),
+    "hidden_rim": Rule(
+        "the rim of what is followed lies outside the picture in all frames from which it is "
+        "learned",
+        "point at a ball that the picture shows as a whole",
+    ),
+    "plain_patch": Rule(
+        "the patch around the click looks like its surroundings",
+        "point at the bob, or make the patch larger",
+    ),
+    "patch_found_once": Rule(
+        "nothing like the patch at {place} was found in other frames",
+        "point at the middle of the bob, or choose another patch",
+    ),
+    # what was followed
+    "rarely_found": Rule(
+        "what was taken for the ball, at {place} in frame {frame}, was found in only {percent} % "
+        "of the samples ({clean} % are ok)",
+        "point at the middle of the ball",
+    ),
+    "rarely_found_path": Rule(
+        "what was taken for the ball, at {place} in frame {frame}, was found in only {percent} % "
+        "of the samples, and no swing was seen: {doubt}",
+        "point at the middle of the ball that swings, and at its pivot",
+    ),
+    "jumping_ball": Rule(
+        "what was followed at {place} does not swing: it jumps about by {scatter} pixels",
+        "point at the middle of the ball that swings",
+    ),
+    "other_pivot": Rule(
+        "what was followed is {low} to {high} pixels from the pivot at {place}, so it does not "
+        "swing about it",
+        "point at the middle of the ball and at the pivot about which it swings, or declare the "
+        "pivot 'outside' if the picture does not show it",
+    ),
+    "second_ball": Rule(
+        "a second ball that looks the same meets this one at {time:.4g} s: from then on one may be "
+        "taken for the other",
+        "point at both (--balls 2), or use the part before that (--end)",
+    ),
+    "upside_down": Rule(
+        "the picture is upside down: the balls swing in it as if gravity pulled them upwards",
+        "turn the video, e.g. with ffmpeg -i VIDEO -vf hflip,vflip -crf 16 NEW.mp4",
+    ),
     # why there is no fit and no trial
     "moving_pivot": Rule(
         "the pivot moves by {size:.3g} mm either way: a decay needs a pivot at rest",
@@ -710,9 +803,9 @@ RULES = {
         "pivot may sway by {sway:.2g} pixels unseen, which the deviations contain"
     ),
     # of the ball
-    "hard_to_follow": Rule(
-        "the ball was measured in only {percent} % of the samples: check the slow motion of "
-        "{factor:g}: a wrong one makes the ball hard to follow"
+    "hard_to_follow": Rule("the ball was measured in only {percent} % of the samples: {advice}"),
+    "wrong_pace": Rule(
+        "check the slow motion of {factor:g}, as a wrong one makes the ball hard to follow"
     ),
     "turning_pattern": Rule(
         "the ball has a pattern that turns with it: where the pattern resembles the background, "
@@ -794,7 +887,12 @@ def said(rule: str, /, **values: Any) -> Sentence:
     return sentence(rule, RULES, **values)
 
 
-def place_text(place: Iterable[float]) -> str:
-    """Return column and row of a place in a picture [pixels] as a text."""
-    u, v = place
-    return f"({u:.0f}, {v:.0f})"
+def listed(texts: Sequence[str]) -> str:
+    """Return texts as a list in words."""
+    *others, last = texts
+    return said("and_last", others=", ".join(others), last=last) if others else last
+
+
+def place_text(*places: Iterable[float]) -> str:
+    """Return columns and rows of places in a picture [pixels] as a text."""
+    return listed([f"({u:.0f}, {v:.0f})" for u, v in places])

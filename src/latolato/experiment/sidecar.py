@@ -18,6 +18,7 @@ from latolato.core.registry import checked_count, checked_number, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.parameters import CLIP, LOOK, SHAPES
+from latolato.experiment.rules import broken
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
 
@@ -265,9 +266,7 @@ def checked_stick(value: Any) -> tuple[Place, Place]:
         raise InputError("must be two places in pixels", parameter="stick", value=value)
     one, other = (checked_place("stick", end) for end in value)
     if math.dist(one, other) < _SHORTEST:
-        raise InputError(
-            f"must be {_SHORTEST:g} pixels long or more in the picture", parameter="stick"
-        )
+        raise broken("short_stick", {"least": _SHORTEST})
     return one, other
 
 

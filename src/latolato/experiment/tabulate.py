@@ -7,12 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.calibration.scale import TOLERANCE, Scale, scale_of, stick_pixels
 from latolato.experiment.calibration.tilt import Tilt
 from latolato.experiment.follow import PathOnly, Track
 from latolato.experiment.period import halves_apart, period_of
-from latolato.experiment.rules import place_text, said
+from latolato.experiment.rules import broken, place_text, said
 from latolato.experiment.task import Task
 from latolato.experiment.track_table import track_table
 from latolato.experiment.tracking.sample import Sample
@@ -89,11 +88,8 @@ def _scale(task: Task, tracks: list[Track]) -> Scale | None:
     longest, shortest = arms[np.argmax(arms[:, 0])], arms[np.argmin(arms[:, 0])]
     doubt = TOLERANCE + 2.0 * math.hypot(*(arms[:, 1] / arms[:, 0]))
     if setup.length and longest[0] / shortest[0] - 1.0 > doubt:
-        raise InputError(
-            f"the balls are {arms[0, 0]:.0f} and {arms[1, 0]:.0f} pixels from their pivots: one "
-            "length cannot fit both",
-            way_out="omit the length here, and give it in the fit of each ball",
-        )
+        one, other = (f"{arm:.0f}" for arm in arms[:, 0])
+        raise broken("two_lengths", {"one": one, "other": other})
     arm, radius = arms.mean(axis=0), looks.mean(axis=0)
     return scale_of(setup, (video.width, video.height), tuple(arm), tuple(radius))
 
@@ -171,13 +167,9 @@ def path_table(task: Task, sample: Sample, path: PathOnly) -> xr.Dataset:
     if math.isnan(period):
         share = seen.clean_share(~sample.repeats)
         if share < _AT_LEAST:  # nothing says that it swings
-            u, v = task.setup.balls[0]
-            raise InputError(
-                f"what was taken for the ball, at ({u:.0f}, {v:.0f}) in frame "
-                f"{task.setup.click_frame}, is seen in only {100.0 * share:.0f} % of the samples, "
-                f"and no swing is seen: {path.doubt}",
-                way_out="point at the middle of the ball that swings, and at its pivot",
-            )
+            place = {"place": place_text(task.setup.balls[0]), "frame": task.setup.click_frame}
+            why = {"percent": f"{100.0 * share:.0f}", "doubt": path.doubt}
+            raise broken("rarely_found_path", {**place, **why})
         task.warnings.append(said("no_period"))
     attributes = {
         **_declared(task, "unknown"),

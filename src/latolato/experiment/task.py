@@ -13,6 +13,7 @@ import numpy as np
 
 from latolato.core.errors import InputError, Sentence, reading
 from latolato.experiment.parameters import VIDEO_PARAMETERS
+from latolato.experiment.rules import broken, place_text
 from latolato.experiment.sidecar import (
     OUTSIDE,
     Setup,
@@ -161,14 +162,17 @@ def _video_of(path: Path, setup: Setup, slow_motion: float | None) -> Video:
     return replace(video, region=setup.region)
 
 
+def check_count(frames: int) -> None:
+    """Refuse a video of too few frames."""
+    if frames < _FEWEST:
+        raise broken("too_few_frames", {"count": frames, "least": _FEWEST})
+
+
 def read_task(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video, Sample]:
     """Return a video as a camera at rest would have taken it, and its first reading."""
     tell = progress and (lambda share: progress(READ * share))
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
-    if len(sample.times) < _FEWEST:
-        raise InputError(
-            f"it has too few frames, {len(sample.times)}: tracking needs {_FEWEST} or more"
-        )
+    check_count(len(sample.times))
     hidden = []
     for k, ball in enumerate(setup.balls):
         own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot
@@ -181,9 +185,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
     """Return a set-up that is complete: balls in frame and region, the pivot not too far away."""
     if (setup.stick is None) != (setup.stick_length is None):
         missing = "stick" if setup.stick is None else "stick_length"
-        raise InputError(
-            "is missing: both ends of a stick and its length are needed", parameter=missing
-        )
+        raise broken("half_stick", parameter=missing)
     named = [("ball", place) for place in setup.balls]
     named += [("end of the stick", place) for place in setup.stick or ()]
     for frame, ball, u, v in setup.corrections:
@@ -197,10 +199,8 @@ def _checked(setup: Setup, video: Video) -> Setup:
             )
         for u, v in setup.balls:
             if not (left <= u <= right and top <= v <= bottom):
-                raise InputError(
-                    f"ball at ({u:g}, {v:g}) lies outside the region from ({left:g}, {top:g}) to "
-                    f"({right:g}, {bottom:g})"
-                )
+                corners = {"one": place_text((left, top)), "other": place_text((right, bottom))}
+                raise broken("outside_region", {"place": place_text((u, v)), **corners})
     for name, (u, v) in named:
         if not video.shows((u, v)):
             raise InputError(
@@ -210,18 +210,13 @@ def _checked(setup: Setup, video: Video) -> Setup:
     pivots = (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
     for own, centre in zip(pivots, setup.balls, strict=False):
         if own is not None and math.dist(own, centre) < _APART:
-            raise InputError(f"pivot and ball must be at least {_APART:g} pixels apart")
+            raise broken("pivot_on_ball", {"least": _APART})
     if len(setup.balls) == 2 and math.dist(setup.balls[0], setup.balls[1]) < _APART:
-        raise InputError(
-            f"two balls must be at least {_APART:g} pixels apart",
-            way_out="point at each of them, or at one only",
-        )
+        raise broken("near_balls", {"least": _APART})
     readout = setup.optics.row_time * video.height
     if video.frame_rate and readout * video.frame_rate > 1.0:
-        raise InputError(
-            f"must let {video.height} rows fit between two frames", parameter="row_time",
-            value=setup.optics.row_time,
-        )  # fmt: skip
+        frames = {"rows": video.height, "pause": 1.0 / video.frame_rate}
+        raise broken("long_readout", frames, parameter="row_time")
     reach = _FARTHEST * math.hypot(video.width, video.height)
     for u, v in filter(None, (setup.pivot, setup.pivot_2)):
         if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:

@@ -27,13 +27,13 @@ from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_ro
 from latolato.app.experiment.store import COPY
 from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
 from latolato.app.worker import Result
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, reading
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.importing import is_track_file
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.sidecar import write_sidecar
-from latolato.experiment.task import prepare
+from latolato.experiment.task import check_count, prepare
 from latolato.experiment.track import run
 from latolato.experiment.track_table import FLAGS, balls_of, read_table, write_table
 from latolato.experiment.video import Frame, Video, open_video
@@ -55,8 +55,6 @@ _SHOWN = ("geometry", "radius_pixels", "arm_pixels", "metres_per_pixel", "measur
 _DECLARED = ("length", "radius", "gravity", "slow_motion", "stick", "stick_length", "region",
              "shape", "patch", "click_frame", "corrections")  # fmt: skip
 _OPTICS = ("row_time", "lens_k1", "lens_k2")
-# Fewest frames that show a motion.
-_FEWEST = 8
 # Frames of an example, small enough to be painted in seconds.
 _EXAMPLE_SIZE = {"width": 480, "height": 360}
 _SEED = 1
@@ -74,22 +72,18 @@ def look(job: Job, tell: Tell) -> Result:
     # The copy plays as the file does.
     video = open_video(job["path"], slow_motion=1.0)
     times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
-    if len(times) < _FEWEST:
-        raise InputError(
-            f"{job['name']} has too few frames, {len(times)}: tracking needs {_FEWEST} or more"
-        )
+    with reading(job["path"]):
+        check_count(len(times))
     np.save(Path(job["folder"]) / TIMES, times)
     arrays = {"time": np.array(times) - times[0]}
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
-        "duration": times[-1] - times[0], "proposal": None, "message": None,
-        "clock": video.clock._asdict(),
+        "duration": times[-1] - times[0], "proposal": None, "clock": video.clock._asdict(),
     }  # fmt: skip
     try:
         task = prepare(Path(job["path"]), None, None, {}, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
-    except InputError as error:
-        result["message"] = str(error)
+    except InputError:  # nothing was found: the page asks for it
         return result, arrays
     result["proposal"] = {
         "pivot": task.setup.pivot, "balls": task.setup.balls, "radius": task.radius,

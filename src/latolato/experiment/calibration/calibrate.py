@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.core.errors import InputError, Sentence
+from latolato.core.errors import Sentence
 from latolato.experiment.calibration.circle import Circle
 from latolato.experiment.calibration.deviations import (
     SYSTEMATIC,
@@ -31,7 +31,7 @@ from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, othe
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
-from latolato.experiment.rules import place_text, said
+from latolato.experiment.rules import broken, place_text, said
 from latolato.experiment.tracking.positions import Positions
 
 # Distance from its axis at which a pivot was not seen right [standard deviations], and how far it
@@ -196,10 +196,7 @@ def calibrate(
     motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
     down = find_gravity(motion, hinge)
     if down.swing is None and is_upside_down(motion, hinge):
-        raise InputError(
-            "the picture stands on its head: balls swing in it as if gravity pulled them upwards",
-            way_out="turn the video, e.g. with ffmpeg -i VIDEO -vf hflip,vflip -crf 16 NEW.mp4",
-        )
+        raise broken("upside_down")
     shared = angle_offset_sigma(down, hinge)
     if tilt.angle > 0.0 and down.source != "swing":
         # An oval's middle moves with its axes: the hinge is no better known than the click.

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, import_extra
 from latolato.experiment.fits.result import Estimate
-from latolato.experiment.rules import broken
+from latolato.experiment.rules import broken, listed, said
 
 Floats = NDArray[np.float64]
 Model = Callable[[Mapping[str, float]], Floats]
@@ -262,7 +262,7 @@ def solve(
     # What is believed beforehand needs no samples: a prior is one more of them.
     loose = sum(math.isinf(guess.prior) for guess in guesses.values())
     if len(data) < 2 * loose:
-        told = {"count": len(data), "names": listed(names), "least": 2 * loose}
+        told = {"count": len(data), "names": some_of(names), "least": 2 * loose}
         raise broken("few_samples", told)
     parameters = lmfit_module().Parameters()
     for name, guess in guesses.items():
@@ -279,7 +279,7 @@ def solve(
             cleaned = _without_outliers(residuals / data.sigmas)
             if cleaned.sum() < 2 * loose:
                 counts = {"count": int(cleaned.sum()), "total": len(data)}
-                told = {"names": listed(names), **counts}
+                told = {"names": some_of(names), **counts}
                 raise broken("follows_few", told, kind=ConvergenceError)
             if np.array_equal(cleaned, mask):
                 continue
@@ -382,16 +382,16 @@ def _minimizer(
     )  # fmt: skip
 
 
-def listed(names: Sequence[str]) -> str:
+def some_of(names: Sequence[str]) -> str:
     """Return names in words: the first of them, and how many others there are."""
     if len(names) <= _LISTED + 1:
-        return ", ".join(names)
-    return f"{', '.join(names[:_LISTED])} and {len(names) - _LISTED} others"
+        return listed(names)
+    return listed([*names[:_LISTED], said("others", count=len(names) - _LISTED)])
 
 
 def _minimized(minimizer: Any, limit: int) -> Any:
     """The result of lmfit, refused if it did not converge."""
-    names = listed(list(minimizer.params))
+    names = some_of(list(minimizer.params))
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:
@@ -505,7 +505,7 @@ def _covariance(
             if abs(share) > _TAKES_PART
         ]
         rule = "not_told_apart" if len(open_ones) > 1 else "does_not_depend"
-        raise broken(rule, {"names": " and ".join(open_ones)}, kind=ConvergenceError)
+        raise broken(rule, {"names": listed(open_ones)}, kind=ConvergenceError)
     inverse = (directions / sizes) @ directions.T
     plain = spread * inverse
     moments = unit * errors[:, None]

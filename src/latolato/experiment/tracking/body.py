@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.experiment.rules import broken
 from latolato.experiment.tracking.appearance import Appearance
 from latolato.experiment.tracking.paint import filled, painted
 from latolato.experiment.video import Frame
@@ -64,10 +64,7 @@ def learn_body(
         rest = np.full_like(as_wall, _NOISE**2)
     contrast = float(np.quantile(as_wall[inside], 0.95))
     if contrast < _PLAIN**2:
-        raise InputError(
-            "the patch around the click looks like the wall",
-            way_out="point at the bob, or make the patch larger",
-        )
+        raise broken("plain_patch")
     body = inside & (as_wall > np.maximum(_CLEAR * rest, _CLEAR_SHARE**2 * contrast))
     if body.any():
         look.body = body

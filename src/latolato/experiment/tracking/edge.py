@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.core.errors import InputError
+from latolato.experiment.rules import broken
 
 # Luminance of linear light (BT.709), and the share of the largest contrast that must be in it.
 _LUMA = np.array([0.2126, 0.7152, 0.0722])
@@ -212,10 +212,7 @@ def _direction(shots: list[Shot], radius: float) -> np.ndarray:
     gap = np.concatenate(gaps)
     gap = gap[np.isfinite(gap).all(axis=1)]
     if not len(gap):
-        raise InputError(
-            "the rim of what is followed lies out of the picture in all frames to learn from",
-            way_out="point at a ball that is in the picture as a whole",
-        )
+        raise broken("hidden_rim")
     size = np.sqrt(np.mean(gap**2, axis=0))
     if math.sqrt(float(np.mean((gap @ _LUMA) ** 2))) > _BRIGHT * float(size.max()):
         return _LUMA

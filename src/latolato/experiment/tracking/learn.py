@@ -8,8 +8,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.calibration.tilt import Tilt
+from latolato.experiment.rules import broken, place_text
 from latolato.experiment.tracking.appearance import (
     Appearance,
     Colours,
@@ -156,11 +156,8 @@ def learn_image_model(
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
-        raise InputError(
-            f"no ball with a rim was found at ({balls[0][0]:g}, {balls[0][1]:g}): the disc there "
-            f"is {2.0 * size:.1f} pixels wide",
-            way_out="point at the middle of the ball, or give its radius and length",
-        )
+        width = {"width": f"{2.0 * size:.1f}"}
+        raise broken("small_disc", {"place": place_text(balls[0]), **width})
     arm = geometry.arm(centres)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
@@ -190,18 +187,10 @@ def learn_image_model(
         if round_ > 0:
             sightings = fit_sample(scene, frames, sightings, pivots, tolerant=1)
         if not sightings:
-            raise InputError(
-                f"no ball like the one at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
-                "frames",
-                way_out="point at the middle of the ball"
-                + (", and check radius and length" if radius else ""),
-            )
+            raise broken("found_once", {"place": place_text(balls[0])})
         scene.arm = learn_look(look, frames, sightings, medians, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
-            raise InputError(
-                f"the disc at ({balls[0][0]:g}, {balls[0][1]:g}) looks like its surroundings",
-                way_out="point at the middle of the ball",
-            )
+            raise broken("like_surroundings")
         if round_ == 0:
             covered = [(one.frame, one.centre) for one in sightings]
             learn_background(look, frames, covered)
@@ -270,11 +259,7 @@ def _first_bobs(
     first = first_sightings(scene, frames, pivots, route)
     found = fit_sample(scene, frames, first, pivots, tolerant=3)
     if not any(one.frame > 1 for one in found):
-        raise InputError(
-            f"nothing like the patch at ({balls[0][0]:g}, {balls[0][1]:g}) was found in other "
-            "frames",
-            way_out="point at the middle of the bob, or choose another patch",
-        )
+        raise broken("patch_found_once", {"place": place_text(balls[0])})
     return found
 
 

@@ -7,12 +7,14 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.ndimage import binary_dilation, label
 
-from latolato.core.errors import InputError
+from latolato.experiment.rules import broken, place_text
 from latolato.experiment.tracking.kernels import shifts as kernels
 from latolato.experiment.video import Frame
 
 # Residuals beyond this many standard deviations count little.
 _LIMIT = 16.0
+# Least distance of the pivot from the edge of the picture [pixels].
+_MARGIN = 4
 # Shifts smaller than this are noise: the pivot rests; smears below the second are none [pixels].
 _STILL, _SMEARED = 0.2, 0.3
 # Arm up to which the sizes of the picture's details below hold as they are, and grow beyond: in a
@@ -220,8 +222,8 @@ def learn_pivot(
     """
     size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
     room = int(min(*np.minimum(click, size - 1 - click)))
-    if room < 4:
-        raise InputError("the pivot must lie 4 pixels or more inside the frame", value=click)
+    if room < _MARGIN:
+        raise broken("pivot_at_edge", {"place": place_text(click), "least": _MARGIN})
     if float(np.ptp(_patch(behind, click.astype(float), min(max(_SIZES), room)))) < _PLAIN:
         return PivotTracker.unseen(click), np.zeros((len(frames), 2))
     tracker = _distinct(frames, behind, click.astype(float), arm, room, aside)

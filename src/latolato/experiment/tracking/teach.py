@@ -7,9 +7,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.core.errors import InputError
 from latolato.experiment.calibration.parabola import parabola_top
 from latolato.experiment.calibration.tilt import Tilt
+from latolato.experiment.rules import broken
 from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, samples_for
 from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.edge import Shot, measured_edge
@@ -281,9 +281,7 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
     gap = look.paint[look.core] - np.median(rest_walls, axis=0)
     contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
     if contrast == 0.0:
-        raise InputError(
-            "what was pointed at looks like the wall", way_out="point at the middle of the ball"
-        )
+        raise broken("like_surroundings")
     # What the colours of the ball themselves leave open is no sign of something else.
     clear = _OUTLYING * math.sqrt(contrast)
     look.scale = max(min(own_scale, 2.0 * clear), clear)
