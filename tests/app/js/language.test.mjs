@@ -122,6 +122,12 @@ test("a number that is too small for its unit is refused in the unit of its fiel
   assert.match(text, /1e-28 cm.*1e-38.*check its unit/);
 });
 
+test("beside its field a refusal names no file", () => {
+  const error = brokenRule("switch", { parameter: "length", value: 2, where: "swing.mp4" });
+  assert.match(inLanguage(error), /^swing\.mp4: length /);
+  assert.match(inPagesWords(REGISTRY, error)[0], /^“duljina” /);
+});
+
 test("a rule without a translation is in English", () => {
   assert.equal(inLanguage(brokenRule("rigid_rod", { parameter: "string_restitution", value: 0.5 })),
     "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, zadano je 0,5; "

@@ -2,7 +2,6 @@
 
 import { askJson } from "../page/api.js";
 import { inner } from "../page/block.js";
-import { inLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 import { clipCopy, Desk } from "./desk.js";
 import { sheetOf } from "./sheet.js";
@@ -50,9 +49,14 @@ function newClip(id, name, file) {
 }
 
 export class Session {
-  /** @param {() => void} changed called at every change */
-  constructor(changed) {
+  /**
+   * @param {() => void} changed called at every change
+   * @param {(error: Error) => [string, string | null]} worded the text of an error in the words of the page, and
+   *   the field that it is about
+   */
+  constructor(changed, worded) {
     this.changed = changed;
+    this.worded = worded;
     /** @type {Clip[]} */
     this.clips = [];
     /** @type {Clip | null} */
@@ -109,8 +113,9 @@ export class Session {
       } });
     } catch (error) {
       const aborted = error instanceof DOMException && error.name === "AbortError";
-      clip.error = aborted ? t("cancelled") : inLanguage(/** @type {any} */ (error).input ?? error);
-      clip.field = /** @type {any} */ (error).field ?? null;
+      const { input, field = null } = /** @type {any} */ (error);
+      [clip.error, clip.field] = aborted ? [t("cancelled"), null] : this.worded(input ?? error);
+      clip.field ??= field;
       return null;
     } finally {
       clip.stage = null;

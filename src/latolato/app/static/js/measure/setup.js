@@ -6,7 +6,7 @@ import { choice, tick } from "../page/fields.js";
 import { Form } from "../page/form.js";
 import { leaveOut } from "../page/link_parts.js";
 import { short } from "../page/unit_text.js";
-import { inWords, withLabels } from "../page/words.js";
+import { withLabels } from "../page/words.js";
 import { t } from "../strings.js";
 import { isSeen } from "./session.js";
 import { openOf } from "./sheet.js";
@@ -170,7 +170,7 @@ export class Setup {
     this.clock.hidden = !this.clock.textContent;
     const isOwn = clip.field !== null && clip.field in this.fields && isSeen(clip);
     this.tellWrong();
-    if (isOwn) this.error(inWords(clip.error ?? "", this.fields), clip.field);
+    if (isOwn) this.error(clip.error, clip.field);
     this.failed.hidden = !clip.error || isOwn;
     this.sign.root.hidden = clip.field !== "decimal";
     this.sign.select.value = sheet?.decimal ?? clip.decimal;
@@ -245,6 +245,8 @@ export class Setup {
    */
   error(text, field = null) {
     for (const [name, each] of this.form.fields) each.error(name === field ? text : null);
+    for (const place of text === null ? [] : this.body.querySelectorAll("details"))
+      if (place.querySelector(".error:not([hidden])")) place.open = true;
     const own = text !== null && !(field && this.form.fields.has(field));
     this.form.general.hidden = !own;
     this.form.general.textContent = own ? text : "";

@@ -6,7 +6,7 @@ import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
 import { textOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
-import { sentenceInLanguage, warningsText } from "../page/refusals.js";
+import { inPagesWords, sentenceInLanguage, warningsText } from "../page/refusals.js";
 import { short } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
@@ -76,7 +76,8 @@ export class MeasureView {
     } },
     this.side, el("div", { class: "main" }, this.welcome, this.said, this.preview, this.player,
       this.trials, this.exports));
-    this.session = new Session(() => this.update());
+    this.session = new Session(() => this.update(), (error) =>
+      inPagesWords(this.setup?.form.registryInWords ?? this.page.registry, error));
     this.update();
   }
 

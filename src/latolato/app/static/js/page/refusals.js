@@ -129,5 +129,8 @@ export function inPagesWords(registry, error) {
   const [name] = error.parameter.split("[");
   const option = registry.options[name];
   if (!option) return [inLanguage(error), null];
-  return [local(inPlainWords(option, error).worded(`\u201c${option.label}\u201d`, LANGUAGE)), name];
+  // Beside its field it needs no name of a file.
+  const { where: _, ...about } = error.about;
+  const own = inPlainWords(option, new InputError(error.rule, about));
+  return [local(own.worded(`\u201c${option.label}\u201d`, LANGUAGE)), name];
 }
