@@ -68,17 +68,17 @@ RULES = {
         "remove it, or export the data again",
     ),
     "the_file": Rule("the file"),
-    "damaged_gzip": Rule("it is a damaged gzip file ({fault})", "pack it again"),
+    "damaged_gzip": Rule("it is a damaged gzip file ('{fault}')", "pack it again"),
     "large_gzip": Rule("it is a gzip file whose content is larger than {size} MB", "unpack it"),
     "short_gzip": Rule("it is a gzip file whose content is cut off", "unpack it"),
-    "damaged_zip": Rule("it is a damaged zip file ({fault})", "pack it again"),
-    "unknown_zip": Rule("it is a zip file that cannot be unpacked: {fault}", "unpack it"),
+    "damaged_zip": Rule("it is a damaged zip file ('{fault}')", "pack it again"),
+    "unknown_zip": Rule("it is a zip file that cannot be unpacked ('{fault}')", "unpack it"),
     "large_archive": Rule("it is an archive of more than {size} MB", "unpack it"),
     "no_tables": Rule("it is an archive without tables: {names}", "unpack it"),
     "nothing": Rule("nothing"),
     "locked_sheets": Rule("it is a spreadsheet with a password", "save it without"),
     "unknown_sheets": Rule(
-        "it is a spreadsheet that cannot be read ({fault})", "save its sheet as CSV"
+        "it is a spreadsheet that cannot be read ('{fault}')", "save its sheet as CSV"
     ),
     "empty_sheets": Rule("it is a spreadsheet without cells", "export the data again"),
     # rows and cells
@@ -91,7 +91,7 @@ RULES = {
     ),
     "open_quote": Rule("the quotation mark in line {line} is not closed", "close it or remove it"),
     "spoiled_line": Rule(
-        "a line that begins '{text}' cannot be parted into cells ({fault})",
+        "a line that begins '{text}' cannot be divided into cells ('{fault}')",
         "look for a quotation mark that is not closed",
     ),
     "endless_line": Rule(
