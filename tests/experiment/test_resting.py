@@ -9,9 +9,10 @@ from latolato.experiment.follow import _check_motion
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking.background import background_of
+from latolato.experiment.tracking.detect import Blobs
 from latolato.experiment.tracking.link import Trajectory, are_alike
 from latolato.experiment.tracking.positions import Positions
-from latolato.experiment.tracking.route import _are_one, _touching
+from latolato.experiment.tracking.route import _are_one, _meeting, _touching
 
 WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
 
@@ -56,6 +57,22 @@ def test_a_ball_that_never_leaves_its_place_as_a_whole_is_not_cut():
     seen, _ = pictures(np.column_stack([small, np.full(61, 45.0)]))
     median = np.median(seen, axis=0)
     assert np.abs(background_of(seen) - median).max() <= 1.0
+
+
+@pytest.mark.parametrize("nearest", [2.1, 3.1])  # radii between the centres
+def test_balls_meet_only_where_they_may_touch(nearest):
+    times = np.arange(90) / 30.0
+    swing = 40.0 * (1.0 - np.cos(6.0 * times))
+    own = np.column_stack([100.0 - swing, np.full(90, 50.0)])
+    other = np.column_stack([100.0 + 10.0 * nearest + swing, np.full(90, 50.0)])
+    radii, looks = np.full(90, 10.0), np.tile(BALL, (90, 1)).astype(float)
+    one = np.ones(1)
+    left = [
+        Blobs(place[None], 10 * one, 10 * one, 90 * one, looks[:1], WALL[None].astype(float))
+        for place in other
+    ]
+    meets = _meeting(times, Trajectory(own, radii, radii, looks), left)
+    assert np.isfinite(meets) == (nearest < 2.5)
 
 
 def test_a_path_that_changes_balls_at_an_impact_is_no_second_ball():

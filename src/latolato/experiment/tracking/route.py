@@ -34,6 +34,8 @@ _FEWEST = 6
 _LONG = 1.5
 # Two balls are one blob where they are nearer than this and only one is detected [radii].
 _MERGED = 3.5
+# Balls may touch where they are nearer than this [radii]: their blobs are one a little before.
+_TOUCH = 2.5
 # A ball that goes no farther than this never leaves its place [radii]; how alike it looks all the
 # time then, though what is detected may leap.
 _STAYS, _SAME = 3.0, 0.9
@@ -302,8 +304,11 @@ def _meeting(times: np.ndarray, first: Trajectory, left: list[Blobs]) -> float:
     if not are_alike(first, other):
         return math.nan
     apart = np.linalg.norm(first.places - other.places, axis=1)
-    # A NaN is not near: where they touch, they are one blob.
-    near = np.flatnonzero(apart < _MERGED * first.radius)
+    # How near they may be between frames. A NaN is not near: where they touch, they are one blob.
+    steps = np.abs(np.diff(apart, prepend=apart[0], append=apart[-1]))
+    nearest = apart - np.fmax(steps[:-1], steps[1:])
+    is_near = (apart < _MERGED * first.radius) & (nearest < _TOUCH * first.radius)
+    near = np.flatnonzero(is_near)
     return float(times[near[0]]) if len(near) else math.nan
 
 
