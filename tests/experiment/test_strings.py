@@ -16,9 +16,9 @@ from latolato.experiment.tracking.strings import Lines
 PIVOT = np.array([90.0, 20.0])
 
 
-def drawn(width, squeezed=1.0, pivot=PIVOT, length=80.0):
+def drawn(width, squeezed=1.0, pivot=PIVOT, length=80.0, swing=0.6):
     """Return pictures of a ball on a string, which is not drawn for no width, and its places."""
-    angles = 0.6 * np.cos(np.arange(80) / 5.0)
+    angles = swing * np.cos(np.arange(80) / 5.0)
     away = length * np.column_stack([squeezed * np.sin(angles), np.cos(angles)])
     pictures = np.full((len(angles), 140, 180, 3), 128, np.uint8)
     pictures += np.random.default_rng(0).integers(0, 4, pictures.shape, np.uint8)
@@ -46,6 +46,14 @@ def test_strings_that_are_not_seen_meet_nowhere_and_others_out_of_the_picture():
     above = np.array([90.0, -40.0])
     meeting = Lines(*drawn(1, pivot=above, length=140.0), 6.0).meeting()
     assert np.hypot(*(meeting - above)) < 3.0
+
+
+@pytest.mark.parametrize("swing", [0.1, 0.2])
+def test_strings_of_a_ball_that_hardly_leaves_its_place_meet_at_the_pivot(swing):
+    meeting = Lines(*drawn(2, swing=swing), 6.0).meeting()
+    assert abs(meeting[0] - PIVOT[0]) < 1.0
+    assert abs(meeting[1] - PIVOT[1]) < 4.0  # a twentieth of the arm
+    assert Lines(*drawn(0, swing=swing), 6.0).meeting() is None
 
 
 def trajectory(places):

@@ -2,6 +2,10 @@
 
 A string moves with its ball, so it differs from the background all the way to the pivot. That needs
 no circle: it holds for ovals, narrow arcs and several balls, wherever a string is seen.
+
+Where a ball hardly leaves its place, its strings are near each other for a long way, and most of
+such lines stand out from many places. There the string is looked for in each frame, at two heights
+above the ball: at the height of the pivot, where it passes does not depend on how it leans.
 """
 
 from __future__ import annotations
@@ -30,6 +34,15 @@ SHOWS, _LIKELY = 0.3, 0.9
 _ELSEWHERE, _LESS, _MUCH_LESS = 0.25, 0.9, 0.67
 # How far about the best place others have a say, as a share of the arm.
 _ABOUT = 0.05
+# Scatter of a ball's places below which its strings are near each other [pixels of a small
+# picture].
+_NARROW = 16.0
+# Heights above the ball at which a string is looked for: radii, and share of the arm. How far from
+# where it is expected, at the least [pixels of a small picture], and as a share of the radius below
+# and of the way that the ball goes above. Part of the clearest line's share from which others have
+# a say, and how uncertain the pivot's height may be, as a share of it.
+_LOW, _HIGH, _LEAST_REACH, _REACH_LOW, _REACH_HIGH = 1.5, 0.5, 4.0, 0.35, 0.25
+_CLEAR, _SURE = 0.9, 0.1
 
 
 class Lines:
@@ -53,12 +66,12 @@ class Lines:
         size = 2 * max(1, int(np.ceil(self.radius))) + 1
         disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
         wall = copies.background
-        thin = np.stack([
+        self.thin = thin = np.stack([
             cv2.morphologyEx(difference(copies.pictures[k], wall), cv2.MORPH_TOPHAT, disc)
             for k in frames
-        ]).astype(np.float32)  # fmt: skip
+        ])  # fmt: skip
         # What always differs does not move, as an edge before a camera that shakes.
-        thin -= 2.0 * np.median(thin, axis=0)
+        thin = thin.astype(np.float32) - 2.0 * np.median(thin, axis=0)
         thin = np.clip(thin / clear_difference(copies.pictures, wall), 0.0, 1.0)
         self.shows = np.stack([cv2.GaussianBlur(each, (3, 3), 0) for each in thin])
 
@@ -108,12 +121,12 @@ class Lines:
         down = self.balls.mean(axis=0) - best
         aside = np.abs((tried - best) @ [down[1], -down[0]]) / np.hypot(*down)
         away = np.hypot(*(tried - best).T)
-        least = max(
-            SHOWS,
-            shares[away > _ELSEWHERE * arm].max(initial=0.0) / _LESS,
-            shares[aside > _ELSEWHERE * arm].max(initial=0.0) / _MUCH_LESS,
-        )
+        least = max(SHOWS, shares[aside > _ELSEWHERE * arm].max(initial=0.0) / _MUCH_LESS)
         if shares.max() < least:
+            return None
+        if np.hypot(*self.balls.std(axis=0)) < _NARROW:
+            return self._crossing(best)
+        if shares.max() < shares[away > _ELSEWHERE * arm].max(initial=0.0) / _LESS:
             return None
         reach = np.full(2, max(2.0 * _STEP, _ABOUT * arm))
         fine = best + _grid(-reach, reach, _FINE)
@@ -121,6 +134,52 @@ class Lines:
         weights = np.maximum(shares - _LIKELY * shares.max(), 0.0)
         middle = weights @ fine / weights.sum()
         return np.asarray((middle + 0.5) * self.copies.shrink - 0.5)
+
+    def _crossing(self, pivot: np.ndarray) -> np.ndarray | None:
+        """Return where the strings of all frames cross [pixels], None where that is not sure.
+
+        `pivot` is roughly that place [pixels of a small picture].
+        """
+        from scipy.stats import theilslopes
+
+        cv2 = import_cv2()
+        middle = self.balls.mean(axis=0)
+        arm = float(np.hypot(*(pivot - middle)))
+        up = (pivot - middle) / arm
+        across = np.array([-up[1], up[0]])
+        low, high = _LOW * self.radius, _HIGH * arm
+        if high < 2.0 * low:
+            return None
+        balls = (self.balls - middle) @ across
+        below, above = (
+            np.arange(-reach, reach + 0.5 * _FINE, _FINE)
+            for reach in np.maximum(
+                [_REACH_LOW * self.radius, _REACH_HIGH * np.ptp(balls)], _LEAST_REACH
+            )
+        )
+        along = np.linspace(0.0, 1.0, _POINTS)
+        ends = []
+        for thin, ball in zip(self.thin, balls, strict=True):
+            # Where the string may pass at both heights, and how clear it is between them.
+            pairs = np.stack(np.meshgrid(below, above), axis=-1).reshape(-1, 2)
+            pairs += ball * (1.0 - np.array([low, high]) / arm)
+            sides = pairs @ [1.0 - along, along]
+            at = middle + (low + (high - low) * along)[:, None] * up + sides[..., None] * across
+            u, v = np.moveaxis(at.astype(np.float32), -1, 0)
+            share = np.sqrt(cv2.remap(thin, u, v, cv2.INTER_LINEAR)).mean(axis=1)
+            weights = np.maximum(share - _CLEAR * share.max(), 0.0)
+            ends.append(weights @ pairs / max(float(weights.sum()), 1e-6))
+        # Only the lean is known from the string alone: a camera that shakes moves both ends.
+        lows, highs = np.transpose(ends)
+        lean = lows - highs
+        if not np.ptp(lean) > 0.0:
+            return None
+        slope, side, least, most = theilslopes(lows, lean)
+        heights = low + (high - low) * np.array([slope, least, most])
+        if not heights[2] - heights[1] < _SURE * heights[0]:
+            return None
+        crossing = middle + heights[0] * up + side * across
+        return np.asarray((crossing + 0.5) * self.copies.shrink - 0.5)
 
 
 def _spread(places: np.ndarray) -> np.ndarray:
