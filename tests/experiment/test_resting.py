@@ -52,11 +52,20 @@ def test_what_never_leaves_its_place_belongs_to_the_background():
     assert np.abs(background_of(seen)[42:49, 37:44] - BALL).max() < 6
 
 
-def test_a_ball_that_never_leaves_its_place_as_a_whole_is_not_cut():
-    small = 40.0 + 5.0 * np.cos(np.linspace(0.0, 12.0, 61))
-    seen, _ = pictures(np.column_stack([small, np.full(61, 45.0)]))
-    median = np.median(seen, axis=0)
-    assert np.abs(background_of(seen) - median).max() <= 1.0
+@pytest.mark.parametrize("reach", [5.0, 7.0])  # in most frames the ball covers its middle
+def test_the_background_is_the_wall_behind_a_ball_that_never_leaves_its_place(reach):
+    swing = 40.0 + reach * np.cos(np.linspace(0.0, 12.0, 61))
+    seen, wall = pictures(np.column_stack([swing, np.full(61, 45.0)]))
+    assert np.abs(np.median(seen, axis=0) - wall)[45, 40].max() > 50.0
+    # But for the rod, which is always near the pivot.
+    assert np.abs(background_of(seen) - wall)[35:].max() < 6.0
+
+
+def test_a_ball_that_moves_only_in_a_few_frames_stays_in_the_background():
+    still = np.tile([40.0, 45.0], (61, 1))
+    still[::20, 0] += 5.0
+    seen, _ = pictures(still)
+    assert np.abs(background_of(seen) - np.median(seen, axis=0)).max() <= 1.0
 
 
 @pytest.mark.parametrize("nearest", [2.1, 3.1])  # radii between the centres

@@ -5,6 +5,11 @@ than it swings, as after a collision or in a hand, that is the ball, and its abs
 a thing of its own. Such a pixel has a second steady colour: that of the frames that differ from the
 median, if these agree with each other. Of the two pictures that this makes of a place, one shows
 the outline of a thing, and the other one the background: its colours go on across that outline.
+
+A ball that swings by less than about three radii covers the middle of its place in most frames, so
+the median shows it, too. If the colours from around that place are filled in, the ball stands out
+in each frame, as a disc of one size. Then what is behind it is what other frames show there; only
+what none of them shows stays filled in.
 """
 
 from __future__ import annotations
@@ -29,13 +34,23 @@ _SMALLEST, _WHOLLY, _RIM = 6, 0.8, 2
 # clearer parts of it may be there, as a share of the outline before. Those of balls that left were
 # up to 0.1, and 0.34 in a clip in which a bob never leaves its place as a whole.
 _FAINTER, _CUT = 0.6, 0.2
+# Share of the frames in which pixels differ about a ball that stays in its place, and not about its
+# string; part of the widest disc in what differs that is wider than strings; the smallest ball
+# [pixels], and the longest thing in which a ball stays [radii].
+_OFTEN, _WIDE, _SMALL, _STAYS = 0.1, 0.8, 4.0, 5.0
+# By which factor the radius of a ball varies at most from frame to frame, which share of its place
+# it covers in some frame at least, how far it goes at least and at most [radii], and up to where
+# what is about it may be its rim [radii].
+_STEADY_SIZE, _COVERS, _GOES, _ABOUT = 0.9, 0.75, (0.5, 3.0), 1.2
+# How far colours are taken over from around what is filled in [pixels].
+_AROUND = 3.0
 
 
 def background_of(pictures: np.ndarray) -> np.ndarray:
     """Return the picture (row, column, 3) of what rests behind all that is ever elsewhere.
 
     `pictures` are those of all frames, shape (frame, row, column, 3): luma, blue and red chroma
-    [steps of 255]. What never leaves its place is a part of the background.
+    [steps of 255]. What moves by less than about half its width stays in the background.
     """
     count = len(pictures)
     some = np.unique(np.linspace(0, count - 1, min(count, _SAMPLED)).astype(int))
@@ -46,7 +61,7 @@ def background_of(pictures: np.ndarray) -> np.ndarray:
         for row in range(0, pictures.shape[1], 32)
     )
     median = np.concatenate(list(strips))
-    return _uncovered(median, pictures[some])
+    return _uncovered(_vacated(median, pictures[some]), pictures[some])
 
 
 def difference(picture: np.ndarray, wall: np.ndarray) -> np.ndarray:
@@ -61,6 +76,83 @@ def clear_difference(pictures: np.ndarray, wall: np.ndarray) -> float:
     some = pictures[:: max(1, len(pictures) // 12)]
     typical = np.median([difference(picture, wall) for picture in some], axis=0)
     return max(_LEAST, _CLEAR * (1.4826 * float(np.median(typical)) + 0.3))
+
+
+def _vacated(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:
+    """Return a median picture, with the background where a ball never leaves its place."""
+    cv2 = import_cv2()
+    limit = clear_difference(pictures, median)
+    apart = np.stack([difference(picture, median) for picture in pictures])
+    often = np.asarray((apart > limit).mean(axis=0) > _OFTEN).astype(np.uint8)
+    often = cv2.morphologyEx(often, cv2.MORPH_CLOSE, np.ones((3, 3), np.uint8))
+    outlines, _ = cv2.findContours(often, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    result = median.copy()
+    for outline in outlines:
+        if min(cv2.boundingRect(outline)[2:]) > 2.0 * _SMALL:
+            thing = cv2.drawContours(np.zeros_like(often), [outline], -1, 1, cv2.FILLED)
+            place = _place_of_ball(thing)
+            if place is not None:
+                _vacate(result, pictures, place, limit)
+    return result
+
+
+def _place_of_ball(thing: np.ndarray) -> np.ndarray | None:
+    """Return where a thing is a ball, without its string; None if it leaves or is too small."""
+    cv2 = import_cv2()
+    depth = cv2.distanceTransform(thing, cv2.DIST_L2, 5)
+    radius = float(depth.max())
+    if radius < _SMALL:
+        return None
+    reach = _WIDE * radius
+    away = cv2.distanceTransform((depth <= reach).astype(np.uint8), cv2.DIST_L2, 5)
+    place = (away < reach).astype(np.uint8)
+    _, sides, _ = cv2.minAreaRect(cv2.findNonZero(place))
+    if max(sides) > _STAYS * radius:
+        return None
+    return np.asarray(cv2.dilate(place, np.ones((2 * _RIM + 1,) * 2, np.uint8)))
+
+
+def _vacate(result: np.ndarray, pictures: np.ndarray, place: np.ndarray, limit: float) -> None:
+    """Write what is behind a ball into `result` if one is always in a place.
+
+    That is what frames show in which it is elsewhere, or else what goes on from around it.
+    """
+    cv2 = import_cv2()
+    x, y, width, height = cv2.boundingRect(place)
+    part = np.s_[y : y + height, x : x + width]
+    if place[[0, -1]].any() or place[:, [0, -1]].any():  # it may be cut there
+        return
+    wall, own = cv2.inpaint(result, place, _AROUND, cv2.INPAINT_TELEA)[part], place[part]
+    discs = np.array([_disc(own & (difference(each[part], wall) > limit)) for each in pictures])
+    radius = float(np.median(discs[:, 2]))
+    covers = np.stack([
+        cv2.circle(np.zeros_like(own), (round(u), round(v)), round(_ABOUT * radius) + 1, 1, -1)
+        for u, v, _ in discs
+    ])  # fmt: skip
+    small, large = np.quantile(discs[:, 2], [0.1, 0.9])
+    goes = float(np.hypot(*np.ptp(np.quantile(discs[:, :2], [0.02, 0.98], axis=0), axis=0)))
+    is_ball = small > _STEADY_SIZE * large and _GOES[0] * radius < goes < _GOES[1] * radius
+    if not is_ball or covers.max(axis=0)[own > 0].mean() < _COVERS:
+        return
+    never = own.copy()
+    for row, column in np.argwhere(own):
+        seen = pictures[covers[:, row, column] == 0, y + row, x + column]
+        if len(seen) >= _FEWEST:
+            result[y + row, x + column] = np.median(seen, axis=0)
+            never[row, column] = 0
+    rest = np.zeros_like(place)
+    rest[part] = never
+    result[...] = cv2.inpaint(result, rest, _AROUND, cv2.INPAINT_TELEA)
+
+
+def _disc(mask: np.ndarray) -> tuple[float, float, float]:
+    """Return the largest disc in a mask without its holes: column, row and radius [pixels]."""
+    cv2 = import_cv2()
+    whole = cv2.copyMakeBorder(mask, 1, 1, 1, 1, cv2.BORDER_CONSTANT)
+    outlines, _ = cv2.findContours(whole, cv2.RETR_EXTERNAL, cv2.CHAIN_APPROX_NONE)
+    cv2.drawContours(whole, outlines, -1, 1, cv2.FILLED)
+    _, radius, _, (u, v) = cv2.minMaxLoc(cv2.distanceTransform(whole, cv2.DIST_L2, 5))
+    return u - 1.0, v - 1.0, radius
 
 
 def _uncovered(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:

@@ -202,8 +202,9 @@ def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
 
     Notes
     -----
-    It can miss: what never leaves its place, what has the colour of the background, and what is
-    smaller than about three pixels of a small picture, which has 100,000 of them or fewer.
+    It can miss: what moves by less than about half its width, what has the colour of the
+    background, and what is smaller than about three pixels of a small picture, which has 100,000 of
+    them or fewer.
     """
     cv2 = import_cv2()
     wall = copies.background

@@ -32,7 +32,7 @@ from latolato.experiment.video import Frame, Video
 _MOVERS, _ENOUGH = 4, 120
 # Fewest frames, share of the frames and way in radii that show a ball. The other one of a pair may
 # be seen more seldom, for they may rest in one blob.
-_FEWEST, _SEEN, _TRAVELS = 12, 0.2, 2.0
+_FEWEST, _SEEN, _TRAVELS = 12, 0.2, 1.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
@@ -118,8 +118,8 @@ def propose(
     smoothly on a circle. That is fitted together with one harmonic of the pivot; if the residual is
     too large, the pivot is followed in the picture from the circle's centre, and both are repeated
     until they agree. Where no circle shows the pivot, or strings meet elsewhere, it is where these
-    meet. It can miss: balls of the wall's colour or that never leave their place, and, without
-    strings, arcs of less than about 20 degrees.
+    meet. It can miss: balls of the wall's colour or that swing by less than their radius, and,
+    without strings, arcs of less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     if balls is None:
