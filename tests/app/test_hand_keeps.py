@@ -61,7 +61,7 @@ def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
     assert float(run["noise_work"][-1]) > 0
     # What would be another run is not offered.
     assert not page.get_by_role("button", name="Scenario", exact=False).is_visible()
-    assert not page.get_by_role("link", name="NetCDF", exact=False).is_visible()
+    assert not page.get_by_role("button", name="NetCDF").is_visible()
     # Whoever changes a parameter gets a run of these parameters.
     runs = page.locator("[data-runs]").get_attribute("data-runs")
     page.get_by_label("How far the hand moves, slider").press("ArrowRight")

@@ -16,7 +16,7 @@ FIRST = {
         "scenario": "fig02",
         "settings": {"transient_periods": "8000"},
     },
-    "/ws/animation": {"scenario": "fig02", "options": {"duration": "170 s"}, "speed": 1},
+    "/ws/run/file": {"kind": "nc", "scenario": "fig02", "options": {"duration": "170 s"}},
     "/ws/map/file": {
         "kind": "nc",
         "observable": "mean_energy",

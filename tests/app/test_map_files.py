@@ -91,7 +91,7 @@ def test_a_file_of_a_map_holds_its_numbers_and_opens_again(kind, tmp_path):
     grid = ll.load(path)
     xr.testing.assert_identical(grid.load().drop_attrs(), wanted().drop_attrs())
     assert grid.attrs["plan_hash"] == wanted().attrs["plan_hash"]
-    assert about["type"] == files.KINDS[kind]
+    assert about["type"] == files.TYPES[kind]
     # The application opens it as well, with the same cells.
     _, arrays = cells_of(path, observable="mean_energy")
     np.testing.assert_array_equal(arrays["values"], wanted().mean_energy.values.ravel())

@@ -62,12 +62,11 @@ def make_app(settings: Settings) -> Starlette:
             Route("/registry.json", _registry),
             Route("/stories/contents.json", _stories),
             Route("/api/run", _run, methods=["POST"]),
-            Route("/download/run.{kind}", _download),
             Route("/api/analyses", _analyses),
             Route("/api/analyses/about", _about, methods=["POST"]),
             Route("/api/map/stored", _stored),
             *clips.routes(),
-            _job("animation", partial(Job, downloads.compute)),
+            _job("run/file", partial(Job, downloads.compute)),
             _job("analyse", partial(Job, answer.compute)),
             _job("map/stored", partial(stored.prepare, known)),
             _job("map/file", partial(files.prepare, known)),
@@ -123,11 +122,6 @@ def _run_response(body: Any) -> Response:
 
     block = compute(RunRequest.from_json(body), body.get("most_samples", USUAL_SAMPLES))
     return Response(block, media_type="application/octet-stream")
-
-
-def _download(request: Request) -> Response:
-    wanted = downloads.request_of(request.query_params)
-    return downloads.file_response(wanted, request.path_params["kind"])
 
 
 def _analyses(request: Request) -> Response:

@@ -32,7 +32,6 @@ if TYPE_CHECKING:
 
     Progress = Callable[[float], None]
 
-KINDS = {"csv": "text/csv", **TYPES}
 # Of a stored sweep with more axes than two.
 MOST_BYTES = 200_000_000
 _BALLS = ("right", "left")
@@ -123,7 +122,7 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Progress) -> Res
         from latolato.io.files import save
 
         save(_with_note(page_map), target)
-    about = {"file": target.name, "type": KINDS[kind], "missing": page_map.missing}
+    about = {"file": target.name, "type": TYPES[kind], "missing": page_map.missing}
     return about, {"file": content_of(target)}
 
 

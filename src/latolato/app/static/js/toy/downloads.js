@@ -5,12 +5,13 @@ import { el, notify, saveFile } from "../page/dom.js";
 import { fileOf, JobLine } from "../page/jobs.js";
 import { Runner } from "../player/runner.js";
 import { speedMenu } from "../player/clock.js";
-import { format } from "../page/state.js";
 import { t } from "../strings.js";
 
 // What the page writes by itself, and what the installed program writes.
-const OWN = /** @type {const} */ (["csv", "contacts.csv", "toml"]);
-const OF_PROGRAM = ["nc", "png", "svg"];
+const OWN = ["csv", "contacts.csv", "toml"];
+const OF_PROGRAM = ["nc", "png", "svg", "mp4"];
+// What no parameters make again is stored as it is.
+const OF_PLAYED = ["csv", "contacts.csv"];
 const FASTEST = 100;
 // Samples of a run that is stored; as many as its default has, up to this number.
 const MOST_SAMPLES = 200_000;
@@ -23,77 +24,62 @@ export class Downloads {
   constructor(page, root) {
     this.page = page;
     this.runner = new Runner(page.registry);
-    this.request = { scenario: /** @type {string | null} */ (null), options: {} };
-    /** What was played by hand, if that is on show. @type {import("../page/block.js").Block | null} */
-    this.kept = null;
-    const entry = (/** @type {string} */ kind, /** @type {HTMLElement} */ control) => el("li", {}, control,
-      el("span", { class: "soft" }, ` ${t(`fileHint_${kind}`)}`));
-    const own = OWN.map((kind) => ({ kind, item: entry(kind, el("button", { type: "button", class: "plain link",
-      on: { click: () => void this.write(kind) } }, t(`file_${kind}`))) }));
-    this.contacts = own[1].item;
-    this.scenario = own[2].item;
-    this.links = OF_PROGRAM.map((kind) => ({ kind, link: el("a", { download: "" }, t(`file_${kind}`)) }));
+    this.job = new JobLine();
     const [label, speed] = speedMenu(FASTEST);
     this.speed = speed;
-    this.job = new JobLine();
-    this.make = el("button", { type: "button", on: { click: () => void this.animate() } },
-      t("file_mp4"));
+    const { server } = page.registry;
+    /** @type {[string, HTMLElement][]} */
+    this.entries = [...OWN, ...(server ? OF_PROGRAM : [])].map((kind) => [kind, el("li", {},
+      el("button", { type: "button", class: "plain link", on: { click: () => void this.store(kind) } }, t(`file_${kind}`)),
+      el("span", { class: "soft" }, t(`fileHint_${kind}`), ...(kind === "mp4" ? [". ", label, " ", speed] : [])))]);
     root.addEventListener("keydown", (event) => {
       if (event.key === "Escape") root.open = false;
     });
-    root.append(
-      el("ul", {}, ...own.map(({ item }) => item),
-        ...(page.registry.server ? this.links.map(({ kind, link }) => entry(kind, link)) : [])),
-      ...(page.registry.server ? [this.ofProgram = el("div", {},
-        el("div", { class: "row" }, this.make, label, speed),
-        el("p", { class: "hint" }, t("fileHint_mp4")), this.job.root)]
-        : [el("p", { class: "hint" }, t("fileProgram"))]));
+    root.append(el("ul", {}, ...this.entries.map(([, item]) => item)),
+      server ? this.job.root : el("p", { class: "hint" }, t("fileProgram")));
   }
 
   /**
    * Make the menu that of this run.
    * @param {{scenario: string | null, options: Record<string, any>}} request
-   * @param {boolean} touching whether balls of the run can touch
-   * @param {import("../page/block.js").Block | null} kept what was played by hand, if that is on show: no
-   *   parameters make it again, so it is stored as it is
+   * @param {import("../page/block.js").Block} block the run on show
+   * @param {boolean} isPlayed whether it was played by hand
    */
-  show(request, touching, kept) {
+  show(request, block, isPlayed) {
     this.request = request;
-    this.kept = kept;
-    for (const part of [this.scenario, this.ofProgram, ...this.links.map(({ link }) => link.parentElement)])
-      if (part) part.hidden = kept !== null;
-    const query = format({ view: "toy", ...request, extra: {} });
-    for (const { kind, link } of this.links) link.href = `download/run.${kind}${query}`;
-    this.contacts.hidden = !touching;
+    this.block = block;
+    this.isPlayed = isPlayed;
+    const touching = block.about.balls.length > 1;
+    for (const [kind, item] of this.entries)
+      item.hidden = (isPlayed && !OF_PLAYED.includes(kind)) || (kind === "contacts.csv" && !touching);
   }
 
   /**
    * Compute the run once more, with all its samples, and store it; what was played is stored as it is.
-   * @param {typeof OWN[number]} kind
+   * @param {string} kind
    */
-  async write(kind) {
+  async store(kind) {
     const { registry } = this.page;
-    const { scenario } = this.request;
-    const block = this.kept ?? await this.runner.compute(this.request, { mostSamples: MOST_SAMPLES });
-    const { system, drive } = block.about.options;
-    const name = `latolato_${this.kept ? "by_hand" : scenario ?? `${system}_${drive}`}.${kind}`;
-    const text = kind === "toml" ? tomlOf(registry, block, name)
-      : kind === "csv" ? columnsTable(registry, block) : contactsTable(registry, block);
-    saveFile(new Blob([text], { type: kind === "toml" ? "application/toml" : "text/csv" }), name);
+    const { request, block: shown, isPlayed } = this;
+    if (!request || !shown) return;
+    const { system, drive } = shown.about.options;
+    const name = `latolato_${isPlayed ? "by_hand" : request.scenario ?? `${system}_${drive}`}.${kind}`;
+    let file;
+    if (OF_PROGRAM.includes(kind)) {
+      const block = await this.job.run("ws/run/file", { kind, ...request, speed: Number(this.speed.value) });
+      if (!block) return;
+      file = fileOf(block, "file", block.about.type);
+    } else {
+      const block = isPlayed ? shown : await this.runner.compute(request, { mostSamples: MOST_SAMPLES });
+      const text = kind === "toml" ? tomlOf(registry, block, name)
+        : kind === "csv" ? columnsTable(registry, block) : contactsTable(registry, block);
+      file = new Blob([text], { type: kind === "toml" ? "application/toml" : "text/csv" });
+    }
+    saveFile(file, name);
     notify(t("stored", { name }));
   }
 
-  async animate() {
-    this.make.disabled = true;
-    const block = await this.job.run("ws/animation",
-      { ...this.request, speed: Number(this.speed.value) });
-    this.make.disabled = false;
-    if (!block) return;
-    saveFile(fileOf(block, "file", block.about.type), block.about.name);
-    notify(t("stored", { name: block.about.name }));
-  }
-
-  /** Cancel an animation that is being made. */
+  /** Cancel a file that is being made. */
   stop() {
     this.job.stop();
   }

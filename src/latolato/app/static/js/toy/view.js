@@ -312,7 +312,7 @@ export class ToyView {
       this.player.show(motion);
       this.note(warningsText(block.about.warnings));
       void this.showCode();
-      this.offered = [{ scenario, options }, block.about.balls.length > 1, kept];
+      this.offered = [{ scenario, options }, block, kept !== null];
       this.downloads?.show(...this.offered);
       this.root.dataset.runs = String(Number(this.root.dataset.runs ?? 0) + 1);
       this.begin();
