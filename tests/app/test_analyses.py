@@ -17,13 +17,13 @@ from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of
 from latolato.app.analyse.forms import about_request, forms, label_of
 from latolato.app.analyse.request import AnalysisRequest
-from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.io.analysis_tables import to_csv
 from latolato.io.files import load
 from latolato.scenario.analysis_options import options_of
+from page_blocks import unpack
 
 HOME = "http://127.0.0.1:8000"
 SOCKET = "ws://127.0.0.1:8000/ws/analyse"

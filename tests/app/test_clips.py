@@ -16,7 +16,6 @@ import pytest
 import latolato as ll
 from app_server import start_server, stop_server
 from clip_pages import end_of, english, one_line, opened
-from latolato.app.blocks import unpack
 from latolato.app.experiment.description import described
 from latolato.app.experiment.jobs import compute
 from latolato.app.experiment.work import WORK
@@ -26,6 +25,7 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 from latolato.experiment.video import open_video
 from little_videos import encoded, slowed
+from page_blocks import unpack
 from videos import rewritten
 
 GREY = [np.full((64, 96), 90 + k % 3, np.uint8) for k in range(24)]

@@ -10,10 +10,10 @@ import xarray as xr
 from starlette.testclient import TestClient
 
 import latolato as ll
-from latolato.app.blocks import unpack
 from latolato.app.map import files, stored
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
+from page_blocks import unpack
 
 HOME = "http://127.0.0.1:8000"
 AXES = {"drive_amplitude": [0.05, 0.25, 0.45], "frequency_ratio": [0.5, 1.5, 2.5, 3.5]}

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.app.blocks import unpack
 from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import balls_of, compute, strobes_of
 from latolato.app.site import write_site
@@ -19,6 +18,7 @@ from latolato.numerics.run_record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import Scenario, scenarios
 from latolato.simulation.start import checked_contact
+from page_blocks import unpack
 from site_in_node import answers_in_node
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]

@@ -10,10 +10,10 @@ from typer.testing import CliRunner
 
 import latolato as ll
 from clip_pages import one_line, opened
-from latolato.app.blocks import unpack
 from latolato.app.experiment.work import WORK
 from latolato.cli.main import app
 from latolato.experiment.track_table import read_table, track_table, write_table
+from page_blocks import unpack
 from track_tables import motion_table, noise
 
 LENGTH, DAMPING, MASS = 0.5, 0.004, 0.1

@@ -13,8 +13,8 @@ import pytest
 
 import latolato as ll
 from app_pages import enter
-from latolato.app.blocks import unpack
 from latolato.app.widget import bundle, modules
+from page_blocks import unpack
 
 # What anywidget is to a widget: a model that holds its values.
 PAGE = """async ({ source, block, language, texts }) => {

@@ -17,10 +17,10 @@ from threading import Barrier
 import pytest
 
 from app_server import start_server, stop_server
-from latolato.app.blocks import unpack
 from latolato.core import cache
 from latolato.numerics import jit
 from latolato.numerics.abi import sources_hash
+from page_blocks import unpack
 
 
 @pytest.fixture

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.app.blocks import unpack
 from latolato.app.experiment.work import points_block
 from latolato.core.errors import InputError
 from latolato.experiment.synthetic.scene import Camera, Scene
@@ -19,6 +18,7 @@ from latolato.experiment.track import run
 from latolato.experiment.tracking.sample import Sample, even_times, read_sample
 from latolato.experiment.tracking.steady import steadied
 from latolato.experiment.video import open_video
+from page_blocks import unpack
 from videos import rewritten
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)

@@ -7,13 +7,13 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.app.blocks import unpack
 from latolato.app.experiment.fits import model_block
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.overlay import places_of
 from latolato.experiment.quality import circle_distances
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
+from page_blocks import unpack
 
 SWING = ll.Pendulum(length=0.363, mass=0.1, damping=0.003)
 SIZE = 640, 480

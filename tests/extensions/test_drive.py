@@ -23,13 +23,13 @@ from latolato.analysis import (
 )
 from latolato.app.analyse.answer import compute as compute_analysis
 from latolato.app.analyse.forms import about_request
-from latolato.app.blocks import unpack
 from latolato.app.forms import registry
 from latolato.app.run_request import RunRequest
 from latolato.app.runs import compute
 from latolato.core.quantities import UNIT_INTERVAL, quantity_field
 from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, PeriodicDrive, drives
+from page_blocks import unpack
 
 
 class Tone(NamedTuple):

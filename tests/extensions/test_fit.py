@@ -10,7 +10,6 @@ import pytest
 from typer.testing import CliRunner
 
 import latolato as ll
-from latolato.app.blocks import unpack
 from latolato.app.experiment.description import apparatus_of, described, fit_kinds
 from latolato.app.experiment.fits import fit_of, fits_of
 from latolato.cli.main import app
@@ -21,6 +20,7 @@ from latolato.experiment.fits.samples import samples_of
 from latolato.experiment.track_table import write_table
 from latolato.figures import style
 from latolato.figures.fits import draw_curve
+from page_blocks import unpack
 from track_tables import decay_table
 
 

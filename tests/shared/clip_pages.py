@@ -8,9 +8,9 @@ import time
 from starlette.testclient import TestClient
 
 from latolato.app import STATIC
-from latolato.app.blocks import unpack
 from latolato.app.experiment.store import MOST_BYTES
 from latolato.app.server import Settings, make_app
+from page_blocks import unpack
 
 HOME = "http://127.0.0.1:8000"
 HEADERS = {"origin": HOME, "host": "127.0.0.1:8000"}
