@@ -296,7 +296,7 @@ def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_p
     page.get_by_role("link", name="Tongue edges").click()
     page.get_by_role("button", name="Compute").click()
     picture = page.get_by_role("img", name="Tongue edges")
-    picture.wait_for(timeout=240_000)
+    picture.wait_for()
     assert picture.evaluate("async i => { await i.decode(); return i.naturalWidth; }") > 300
     asked = AnalysisRequest.from_json({**CLOSED, "options": {}})
     wanted = asked.function(**asked.arguments())
@@ -318,7 +318,7 @@ def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_p
     order.press("Tab")
     page.locator(".stale").wait_for()
     order.press("Enter")
-    page.wait_for_selector("[data-answers='2']", timeout=240_000)
+    page.wait_for_selector("[data-answers='2']")
     assert not page.locator(".stale").count()
 
 
@@ -335,9 +335,9 @@ def test_every_analysis_has_its_fields_on_the_page(page, scenario):
 
 def test_a_link_computes_at_once(page):
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=inverted_limits&analyse.ask=1")
-    page.get_by_role("img", name="Inverted limits").wait_for(timeout=240_000)
+    page.get_by_role("img", name="Inverted limits").wait_for()
     page.get_by_role("button", name="Compute").click()
-    page.wait_for_selector("[data-answers='2']", timeout=240_000)
+    page.wait_for_selector("[data-answers='2']")
 
 
 TOPS = """places => places.map(place => {
@@ -352,7 +352,7 @@ def test_the_picture_comes_first_then_how_to_read_it_then_numbers(page, width):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=tongue_edges")
     page.get_by_text("Its picture will appear here").wait_for()
     page.get_by_role("button", name="Compute").click()
-    page.wait_for_selector("[data-answers]", timeout=240_000)
+    page.wait_for_selector("[data-answers]")
     places = page.evaluate(TOPS, [".picture", ".reading-of", ".numbers"])
     assert places == sorted(places)
     if width == 390:  # below the form, but in view
@@ -370,7 +370,7 @@ def test_an_unknown_analysis_and_setting_of_the_address_are_told_and_left_out(pa
 def test_work_that_was_stopped_leaves_no_result(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins"
               "&analyse.angle_points=300&analyse.velocity_points=300&analyse.ask=1")  # fmt: skip
-    page.get_by_role("progressbar").wait_for(timeout=240_000)
+    page.get_by_role("progressbar").wait_for()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_text("Its picture will appear here").wait_for()
     assert not page.get_by_role("progressbar").is_visible()
@@ -382,7 +382,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     alert = page.get_by_role("alert").filter(
         has_text="“Angle tolerance” must be above 0° and at most 57.2958°, got 401.07"
     )
-    alert.wait_for(timeout=240_000)
+    alert.wait_for()
     field = page.get_by_role("textbox", name="Angle tolerance")
     assert field.get_attribute("aria-invalid") == "true"
     assert field.is_visible()  # though rare settings are folded
@@ -406,9 +406,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
 )  # fmt: skip
 def test_refusals_are_in_the_words_and_the_language_of_the_page(page, query, text, watch):
     page.goto(f"/?view=analyse&{query}")
-    page.locator(".error, .notice").filter(has_text=text, visible=True).first.wait_for(
-        timeout=240_000
-    )
+    page.locator(".error, .notice").filter(has_text=text, visible=True).first.wait_for()
     watch.faults.clear()  # the server refuses the request
 
 

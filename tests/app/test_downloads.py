@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import open_view
 from latolato.app.downloads import FPS, compute
 from latolato.app.run_request import RunRequest
 
@@ -71,8 +72,7 @@ def test_the_extra_that_animations_need_is_named(monkeypatch, tmp_path):
 
 
 def test_the_menu_stores_what_is_on_show(page, tmp_path):
-    page.goto("/?view=toy&scenario=fig04a_push&duration=2 s&length=90 cm")
-    page.wait_for_selector("[data-runs]", timeout=240_000)
+    open_view(page, "&scenario=fig04a_push&duration=2 s&length=90 cm")
     page.get_by_text("Download", exact=True).click()
     with page.expect_download() as caught:
         page.get_by_role("button", name="NetCDF").click()
@@ -90,15 +90,14 @@ def test_the_menu_stores_what_is_on_show(page, tmp_path):
 
 def test_an_animation_is_made_from_the_menu_or_cancelled(page, tmp_path):
     av = pytest.importorskip("av", reason="needs the extra 'video'")
-    page.goto("/?view=toy&scenario=fig02&duration=100 s")
-    page.wait_for_selector("[data-runs]", timeout=240_000)
+    open_view(page, "&scenario=fig02&duration=100 s")
     page.get_by_text("Download", exact=True).click()
     page.get_by_role("button", name="MP4").click()
     page.get_by_role("button", name="Cancel").click()
     page.get_by_role("button", name="MP4").wait_for(state="visible")
     menu = page.locator(".downloads")
     menu.get_by_label("Speed").select_option("100")
-    with page.expect_download(timeout=240_000) as caught:
+    with page.expect_download() as caught:
         page.get_by_role("button", name="MP4").click()
     path = tmp_path / "run.mp4"
     caught.value.save_as(path)

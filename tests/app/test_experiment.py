@@ -13,7 +13,6 @@ from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 
 # How long work on a video may take [ms].
-PATIENCE = 240_000
 BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.01)
 
 
@@ -28,7 +27,7 @@ def clip(tmp_path_factory):
 
 
 def state(page, name):
-    page.locator(f"[data-state={name}]").wait_for(timeout=PATIENCE)
+    page.locator(f"[data-state={name}]").wait_for()
 
 
 def uploaded(page, path):
@@ -190,7 +189,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     np.testing.assert_allclose(table["angle_1"], truth["angle_1"], atol=3e-3)
 
     page.get_by_role("button", name="Open in Toy").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     options = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     assert options["damping"] == pytest.approx(BALL.damping, rel=0.015)
     assert options["initial_angle"] == pytest.approx(0.6, abs=0.01)
@@ -212,6 +211,6 @@ def test_a_file_that_is_no_video_is_told_in_one_line_of_the_page_s_language(page
     page.goto("/?view=measure&lang=id")
     page.get_by_label("Seret video atau tabel ke sini, atau pilih satu").set_input_files(path)
     words = "note.mp4: berkas ini tidak dapat dibaca sebagai video"
-    page.get_by_role("alert").filter(has_text=words).wait_for(timeout=PATIENCE)
+    page.get_by_role("alert").filter(has_text=words).wait_for()
     page.get_by_role("button", name="Hapus note.mp4").click()
     state(page, "empty")

@@ -13,7 +13,6 @@ from latolato.app import STATIC
 from spreadsheets import workbook
 from track_tables import noise
 
-PATIENCE = 120_000  # ms
 LENGTH = 0.5
 TIME = np.arange(0.0, 16.0, 0.02)
 DROP = "Drop a video or a table here, or choose one"
@@ -41,12 +40,12 @@ def dropped(page, path, query=""):
     """Drop a file on the page and wait until it was looked at."""
     page.goto(f"/?view=measure{query}")
     page.locator("input[type=file]").set_input_files(path)
-    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+    page.locator("[data-state=setup]").wait_for()
 
 
 def used(page, name="Use this table"):
     page.get_by_role("button", name=name).click()
-    page.locator("[data-state=result]").wait_for(timeout=PATIENCE)
+    page.locator("[data-state=result]").wait_for()
 
 
 def found_length(page):
@@ -65,7 +64,7 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
     page.set_viewport_size({"width": 390, "height": 844})
     page.goto("/?view=measure")
     # A file that is dragged onto the page, as with a mouse.
-    page.get_by_label(DROP).wait_for(timeout=PATIENCE)
+    page.get_by_label(DROP).wait_for()
     page.evaluate(
         """([text, name]) => {
           const given = new DataTransfer();
@@ -75,8 +74,8 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
         }""",
         [path.read_text("utf-8"), path.name],
     )
-    page.get_by_text("Tracker export, 2 tracks: right ball, left ball.").wait_for(timeout=PATIENCE)
-    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+    page.get_by_text("Tracker export, 2 tracks: right ball, left ball.").wait_for()
+    page.locator("[data-state=setup]").wait_for()
     heads = page.locator(".recognised th select:visible")
     chosen = heads.evaluate_all("all => all.map((each) => each.selectedOptions[0].textContent)")
     assert [each for each in chosen if each not in ("s", "m")] == [
@@ -91,7 +90,7 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
         assert page.get_by_role("button", name=name, exact=True).filter(visible=True).count() == 0
 
     page.get_by_role("button", name="Use this table").click()
-    page.get_by_text("angles from positions need the pivot").wait_for(timeout=PATIENCE)
+    page.get_by_text("angles from positions need the pivot").wait_for()
     for axis in "xy":
         field = page.get_by_label(f"{axis} of the pivot", exact=True).filter(visible=True).last
         enter(field, "0")
@@ -126,7 +125,7 @@ def test_a_recording_of_phyphox_gives_the_angle_of_its_gyroscope(page, run, tmp_
     enter(mass, "100")
     page.locator("[data-fit=decay]").get_by_role("button", name="Fit again").click()
     damping = page.locator("[data-fit=decay] [data-name=damping]").first
-    damping.wait_for(timeout=PATIENCE)
+    damping.wait_for()
     assert float(damping.get_attribute("data-value")) == pytest.approx(0.004, rel=0.1)
     page.get_by_role("button", name="Correct the set-up").click()
     page.locator(".recognised").filter(visible=True).wait_for()
@@ -162,7 +161,7 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     # Whoever uses the keyboard does not lose their place when the button goes.
     focused = use.evaluate("e => { e.click(); return document.activeElement.textContent; }")
     assert focused == "Cancel"
-    page.locator("[data-state=result]").wait_for(timeout=PATIENCE)
+    page.locator("[data-state=result]").wait_for()
     assert page.evaluate("document.activeElement.textContent") == "Correct the set-up"
     assert page.get_by_role("alert").filter(visible=True).count() == 0
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
@@ -176,7 +175,7 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     assert download.value.suggested_filename == "Messung.track.csv"
     assert page.get_by_text("Video with overlay").count() == 0
     page.get_by_role("button", name="Open in Toy").click()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     options = page.evaluate("() => window.latolato.views.toy.player.motion.about.options")
     assert options["length"] == pytest.approx(LENGTH, rel=2e-3)
 
@@ -213,9 +212,9 @@ def test_the_decimal_sign_is_asked_where_the_file_is_refused_without_it(page, an
     page.goto("/?view=measure")
     page.locator("input[type=file]").set_input_files(path)
     refusal = page.get_by_role("alert").filter(has_text="delimiter and decimal sign at once")
-    refusal.wait_for(timeout=PATIENCE)
+    refusal.wait_for()
     page.get_by_label("decimal sign").filter(visible=True).select_option("point")
-    page.locator("[data-state=setup]").wait_for(timeout=PATIENCE)
+    page.locator("[data-state=setup]").wait_for()
     page.get_by_label("what 1 is").wait_for()
     assert refusal.filter(visible=True).count() == 0
     assert serious_faults(page) == []
@@ -240,9 +239,7 @@ def test_a_file_that_is_no_table_is_refused_in_words(page, tmp_path):
     path.write_text("We measured on Monday.\nIt rained.\n")
     page.goto("/?view=measure")
     page.get_by_label(DROP).set_input_files(path)
-    page.get_by_role("alert").filter(has_text="notes.csv: it has no rows of numbers").wait_for(
-        timeout=PATIENCE
-    )
+    page.get_by_role("alert").filter(has_text="notes.csv: it has no rows of numbers").wait_for()
     page.get_by_role("button", name="Remove notes.csv").click()
     page.locator("[data-state=empty]").wait_for()
 

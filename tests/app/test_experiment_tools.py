@@ -14,7 +14,6 @@ from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 
-PATIENCE = 240_000  # ms
 SIZE = (320, 240)
 
 
@@ -33,7 +32,7 @@ def clip(tmp_path_factory):
 
 
 def state(page, name):
-    page.locator(f"[data-state={name}]").wait_for(timeout=PATIENCE)
+    page.locator(f"[data-state={name}]").wait_for()
 
 
 def go(page, frame):

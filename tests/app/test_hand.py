@@ -6,8 +6,8 @@ import math
 
 import pytest
 
-from app_pages import enter
-from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
+from app_pages import enter, open_view
+from held_pages import of_toy, open_held, wait_for_toy
 
 # Whether a ball has swung so far, in degrees.
 SWINGS = """(degrees) => window.latolato.views.toy.hand.motion.values("angle")
@@ -62,7 +62,7 @@ def test_a_reload_keeps_what_was_set(page):
     page.wait_for_function("() => location.search.includes('restitution=0.91')")
     before = of_toy(page, "controls")
     page.reload()
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-ready]")
     assert of_toy(page, "controls") == pytest.approx(before)
 
 
@@ -168,7 +168,7 @@ def test_a_toy_that_does_not_come_says_why(page, watch):
     page.unroute_all()
     page.get_by_role("link", name="Map").click()
     page.get_by_role("link", name="Toy").click()
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-ready]")
     watch.faults[:] = [fault for fault in watch.faults if "404" not in fault]
 
 
@@ -231,8 +231,7 @@ def test_nothing_on_the_stage_lies_over_something_else(page, language):
 
 def test_who_wants_little_motion_finds_the_toy_at_rest(page):
     page.emulate_media(reduced_motion="reduce")
-    page.goto("/?view=toy&toy.hand=1")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    open_view(page, view="held")
     page.wait_for_timeout(100)
     assert of_toy(page, "time") == 0.0
     page.get_by_role("button", name="Play", exact=True).click()
@@ -308,8 +307,7 @@ def test_the_curve_goes_along_with_the_toy(page):
 
 
 def test_a_hand_takes_the_toy_where_the_run_has_it(page):
-    page.goto("/?view=toy&scenario=toy")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, "&scenario=toy")
     page.wait_for_function("() => window.latolato.views.toy.player.clock.time > 2")
     page.get_by_role("button", name="Pause").click()
     run = """() => {
@@ -319,7 +317,7 @@ def test_a_hand_takes_the_toy_where_the_run_has_it(page):
     before = page.evaluate(run)
     page.evaluate("() => { window.latolato.views.toy.player.clock.play = () => {}; }")
     page.get_by_role("button", name="Hold it yourself").click()
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-ready]")
     # At most a sample earlier.
     assert of_toy(page, "angles[0]") == pytest.approx(before[0], abs=0.25)
     assert of_toy(page, "pivot.height") == pytest.approx(before[1], abs=0.015)
@@ -327,10 +325,9 @@ def test_a_hand_takes_the_toy_where_the_run_has_it(page):
 
 
 def test_a_toy_that_is_let_go_is_the_run_of_the_address_again(page):
-    page.goto("/?view=toy&scenario=toy")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, "&scenario=toy")
     page.get_by_role("button", name="Hold it yourself").click()
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-ready]")
     assert not page.get_by_role("checkbox", name="Loop").is_visible()
     page.get_by_role("application").press("e")
     page.wait_for_function("() => location.search.includes('restitution=0.91')")

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 import latolato as ll
-from held_pages import PATIENCE, open_held, wait_for_toy
+from held_pages import open_held, wait_for_toy
 
 PLAYER = "window.latolato.views.toy.player"
 
@@ -38,13 +38,13 @@ def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
     # In the units that fields show first.
     assert "drive_amplitudes=3.4+cm%2C+3.4+cm&" in page.url
     assert "toy.hand" not in page.url
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     end = page.evaluate(f"() => {PLAYER}.motion.end")
     run = stored(page, tmp_path)
     assert run.attrs["drive"] == "staged_harmonic"
     assert float(run["time"][-1]) == pytest.approx(end)
     page.reload()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     assert page.evaluate(f"() => {PLAYER}.motion.end") == pytest.approx(end)
 
 
@@ -74,7 +74,7 @@ def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
 def test_what_was_kept_can_be_pinned_and_taken_again(page):
     open_held(page)
     keep(page, key="p", seconds=1)
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     page.get_by_role("button", name="Pin this run").click()
     page.get_by_role("button", name="Hold it yourself").click()
     wait_for_toy(page, "toy?.time > 0.3")

@@ -8,8 +8,9 @@ import time
 import pytest
 
 import latolato as ll
+from app_pages import open_view
 from browser_checks import serious_faults
-from held_pages import PATIENCE, of_toy, open_held, wait_for_toy
+from held_pages import of_toy, open_held, wait_for_toy
 
 # A phone that is shaken with 4 cm at 19 rad/s, along its y axis, or held otherwise. Its readings
 # have the times at which they were made, however late a busy page gets them.
@@ -209,7 +210,7 @@ def test_what_is_kept_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path
     page.get_by_text(
         "The pivot was shaken, so neither parameters nor a link can reproduce it"
     ).wait_for()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     page.get_by_text("Download", exact=True).click()
     for button, name in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
         with page.expect_download() as caught:
@@ -232,8 +233,7 @@ def test_what_is_kept_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path
 def test_a_message_leaves_the_picture_of_a_phone_free(page, language):
     page.set_viewport_size({"width": 390, "height": 844})
     page.add_init_script("DeviceMotionEvent.requestPermission = async () => 'denied'")
-    page.goto(f"/?view=toy&toy.hand=1&lenght=1&lang={language}")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    open_view(page, f"&lenght=1&lang={language}", view="held")
     page.evaluate("() => window.latolato.views.toy.hand.shake.toggle()")
     page.locator(".message").nth(1).wait_for()
     picture = page.locator("canvas.scene").bounding_box()

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-PATIENCE = 60_000  # ms
+from app_pages import open_view
+
 DENIED = """Object.defineProperty(window, "localStorage", { get() {
   throw new DOMException("The request was denied.", "SecurityError"); } });"""
 FULL = """Storage.prototype.setItem = () => {
@@ -14,8 +15,7 @@ FULL = """Storage.prototype.setItem = () => {
 @pytest.mark.parametrize("script", [DENIED, FULL], ids=["denied", "full"])
 def test_a_page_works_where_the_browser_keeps_nothing(page, script):
     page.add_init_script(script)
-    page.goto("/")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page)
     theme = page.locator("#theme")
     theme.click()
     assert theme.inner_text() == "Light"

@@ -6,25 +6,19 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter
+from app_pages import enter, new_context, open_view
 from latolato.core.quantities import QUANTITIES
 from latolato.io.shown_units import SIZES
 
-# How long a page may take to show its first run or toy [ms].
-PATIENCE = 120_000
 PLAYER = "window.latolato.views.toy.player"
-# What the address says of a toy, and of one in a hand.
-ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
-READY = {"toy": "[data-runs]", "held": "[data-ready]"}
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 
 
-def open_view(page, query, view="toy", size=LAPTOP, motion="reduce"):
+def open_at(page, query="", view="toy", size=LAPTOP, motion="reduce"):
     page.emulate_media(reduced_motion=motion)
     page.set_viewport_size(size)
-    page.goto(f"/?view={ADDRESS[view]}{query}")
-    page.wait_for_selector(READY[view], timeout=PATIENCE)
+    open_view(page, query, view)
 
 
 def wait_for_options(page, condition):
@@ -35,13 +29,13 @@ def wait_for_options(page, condition):
 
 
 def test_the_first_run_moves_where_that_is_welcome(page):
-    open_view(page, "", motion="no-preference")
+    open_at(page, motion="no-preference")
     page.wait_for_function(f"() => {PLAYER}.clock.time > 0.1")
     page.get_by_role("button", name="Pause").wait_for()
 
 
 def test_what_was_paused_stays_so_when_the_address_comes_back(page):
-    open_view(page, "&scenario=fig12", motion="no-preference")
+    open_at(page, "&scenario=fig12", motion="no-preference")
     page.get_by_role("button", name="Pause").click()
     for scenario in ("zeno", "fig02"):
         page.get_by_label("Begin with").select_option(scenario)
@@ -52,7 +46,7 @@ def test_what_was_paused_stays_so_when_the_address_comes_back(page):
 
 
 def test_a_run_that_played_goes_on_when_its_view_comes_back(page):
-    open_view(page, "", motion="no-preference")
+    open_at(page, motion="no-preference")
     page.get_by_role("link", name="Map", exact=True).click()
     assert not page.evaluate(f"() => {PLAYER}.clock.playing")
     page.get_by_role("link", name="Toy", exact=True).click()
@@ -60,7 +54,7 @@ def test_a_run_that_played_goes_on_when_its_view_comes_back(page):
 
 
 def test_the_headline_asks_what_the_preset_asks(page):
-    open_view(page, "")
+    open_at(page)
     headline = page.get_by_role("heading", level=2).first
     assert headline.inner_text() == ll.load_scenario("toy").question
     page.get_by_label("Begin with").select_option("kapitza")
@@ -69,7 +63,7 @@ def test_the_headline_asks_what_the_preset_asks(page):
 
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view):
-    open_view(page, "", view)
+    open_at(page, "", view)
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".chart"]
     seen += {"toy": [".scrub", ".drawers", ".more-curves"], "held": [".trick"]}[view]
     knobs = page.locator(".knobs .knob")
@@ -100,7 +94,7 @@ KNOBS = {
 
 
 def test_every_toy_has_three_telling_knobs(page):
-    open_view(page, "")
+    open_at(page)
     for (scenario, drive), knobs in KNOBS.items():
         page.evaluate(
             """([scenario, drive]) => window.latolato.views.toy.page.store.set(
@@ -116,7 +110,7 @@ def test_every_toy_has_three_telling_knobs(page):
 
 
 def test_shakes_per_second_and_the_frequency_ratio_follow_each_other(page):
-    open_view(page, "&scenario=toy&duration=3 s")
+    open_at(page, "&scenario=toy&duration=3 s")
     often = page.get_by_role("textbox", name="How often")
     ratio = page.locator(".knobs").get_by_role("textbox", name="driving over natural frequency")
     natural = 7.0
@@ -139,7 +133,7 @@ def test_shakes_per_second_and_the_frequency_ratio_follow_each_other(page):
 
 
 def test_the_form_takes_the_frequency_ratio_too(page):
-    open_view(page, "&scenario=fig02&duration=3 s&drive_frequency=5 rad/s")
+    open_at(page, "&scenario=fig02&duration=3 s&drive_frequency=5 rad/s")
     page.get_by_text("More parameters", exact=True).click()
     form = page.locator(".drawers .form")
     slider = form.get_by_label("driving over natural frequency, slider")
@@ -154,7 +148,7 @@ def test_the_form_takes_the_frequency_ratio_too(page):
 
 
 def test_energies_are_computed_when_they_are_asked_for(page):
-    open_view(page, "&scenario=fig04a_push&duration=10 s")
+    open_at(page, "&scenario=fig04a_push&duration=10 s")
     page.wait_for_timeout(300)
     assert page.evaluate(f"() => {PLAYER}.more") is None
     assert page.locator(".more-curves canvas").count() == 0
@@ -168,7 +162,7 @@ def test_energies_are_computed_when_they_are_asked_for(page):
                        ("fig02", "per ball")],
 )  # fmt: skip
 def test_energies_say_of_how_many_balls_they_are(page, scenario, whose):
-    open_view(page, f"&scenario={scenario}&duration=3 s")
+    open_at(page, f"&scenario={scenario}&duration=3 s")
     page.get_by_text("Energy and more curves", exact=True).click()
     page.get_by_text(f"energy, {whose} [J]").wait_for()
     page.get_by_text(f"power, {whose} [W]").wait_for()
@@ -193,7 +187,7 @@ def curve(page, k):
 
 
 def test_angles_can_be_wrapped_and_no_line_is_drawn_through_a_turn(page):
-    open_view(page, "&scenario=chaos&duration=20 s")
+    open_at(page, "&scenario=chaos&duration=20 s")
     plain, _ = map(np.array, curve(page, 0))
     page.get_by_role("button", name="±180°").click()
     wrapped, drawn = curve(page, 0)
@@ -207,7 +201,7 @@ def test_angles_can_be_wrapped_and_no_line_is_drawn_through_a_turn(page):
 
 
 def test_angles_that_never_turn_over_are_not_wrapped(page):
-    open_view(page, "&scenario=fig02&duration=5 s")
+    open_at(page, "&scenario=fig02&duration=5 s")
     assert page.get_by_role("button", name="±180°").is_hidden()
 
 
@@ -215,7 +209,7 @@ def test_angles_that_never_turn_over_are_not_wrapped(page):
 def test_the_curve_of_the_pivot_is_its_height(page, scenario):
     unit = QUANTITIES["pivot_height"].shown_unit  # as in pictures and in CSV
     size = float(SIZES[unit])
-    open_view(page, f"&scenario={scenario}&duration=3 s")
+    open_at(page, f"&scenario={scenario}&duration=3 s")
     page.get_by_role("button", name="Pivot", exact=True).click()
     page.get_by_text(f"pivot [{unit}]").wait_for()
     heights, _ = curve(page, 2)
@@ -227,7 +221,7 @@ def test_the_curve_of_the_pivot_is_its_height(page, scenario):
 
 
 def test_a_reset_goes_back_to_the_preset(page):
-    open_view(page, "&scenario=toy&duration=3 s")
+    open_at(page, "&scenario=toy&duration=3 s")
     reset = page.get_by_role("button", name="Reset")
     reset.click()
     wait_for_options(page, "options.duration === 20")
@@ -254,7 +248,7 @@ PLACES = f"""() => {{
 
 
 def test_the_slider_stands_below_the_instant_of_the_curve(page):
-    open_view(page, "&scenario=fig02&duration=60 s")
+    open_at(page, "&scenario=fig02&duration=60 s")
     for size, pivot in ((PHONE, False), (LAPTOP, False), (LAPTOP, True), (PHONE, True)):
         page.set_viewport_size(size)
         button = page.get_by_role("button", name="Pivot", exact=True)
@@ -269,7 +263,7 @@ def test_the_slider_stands_below_the_instant_of_the_curve(page):
 
 
 def test_a_pointer_on_the_curve_moves_the_clock(page):
-    open_view(page, "&scenario=fig02&duration=60 s")
+    open_at(page, "&scenario=fig02&duration=60 s")
     box = page.locator(".timeline .u-over").bounding_box()
     span = page.evaluate(f"() => {PLAYER}.curves.span")
     for begin, end in ((0.2, 0.6), (0.9, 0.3)):
@@ -294,7 +288,7 @@ def test_a_pointer_on_the_curve_moves_the_clock(page):
 
 
 def test_the_curve_shows_some_swings_and_follows_the_clock(page):
-    open_view(page, "&scenario=fig02")
+    open_at(page, "&scenario=fig02")
     low, high = page.evaluate(f"() => {PLAYER}.curves.span")
     assert (low, high) == (0.0, pytest.approx(12 * 2 * np.pi / np.sqrt(9.8)))
     page.evaluate(f"() => {PLAYER}.clock.seek(100)")
@@ -312,7 +306,7 @@ def test_the_curve_shows_some_swings_and_follows_the_clock(page):
 
 
 def test_the_curve_follows_a_clock_that_goes_on(page):
-    open_view(page, "&scenario=fig02")
+    open_at(page, "&scenario=fig02")
     page.locator(".transport").get_by_label("Speed").select_option("20")
     page.get_by_role("button", name="Play", exact=True).click()
     for time in (30, 60):
@@ -346,7 +340,7 @@ COUNT_DRAWS = f"""async () => {{
 
 
 def test_a_run_that_plays_draws_no_chart_twice_in_a_frame(page):
-    open_view(page, "&scenario=fig02")
+    open_at(page, "&scenario=fig02")
     page.locator(".more-curves > summary").click()
     page.wait_for_function(f"() => {PLAYER}.more?.curves.charts.length === 2")
     page.wait_for_timeout(300)
@@ -359,7 +353,7 @@ def test_a_run_that_plays_draws_no_chart_twice_in_a_frame(page):
 
 
 def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
-    open_view(page, "&scenario=toy&duration=3 s")
+    open_at(page, "&scenario=toy&duration=3 s")
     page.get_by_label("Begin with").focus()
     messages = page.locator(".stage-messages")
     option = "([name, text]) => window.latolato.views.toy.page.store.option(name, text)"
@@ -385,7 +379,7 @@ def test_the_first_run_finds_its_place(page):
     page.wait_for_timeout(500)
     for route in held:
         route.continue_()
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     after = [page.locator(each).bounding_box() for each in parts]
     for one, other in zip(before, after, strict=True):
         assert one["y"] == pytest.approx(other["y"], abs=3)
@@ -393,7 +387,7 @@ def test_the_first_run_finds_its_place(page):
 
 
 def test_messages_and_curves_move_nothing(page):
-    open_view(page, "&scenario=toy&duration=3 s")
+    open_at(page, "&scenario=toy&duration=3 s")
     parts = (".stage", ".transport", ".knobs", ".drawers")
     places = [page.locator(each).bounding_box() for each in parts]
     page.evaluate(
@@ -408,11 +402,11 @@ def test_messages_and_curves_move_nothing(page):
 
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, view):
-    context = browser.new_context(
-        base_url=server.address, viewport=PHONE, has_touch=True, is_mobile=True
+    context = new_context(
+        browser, base_url=server.address, viewport=PHONE, has_touch=True, is_mobile=True
     )
     page = context.new_page()
-    open_view(page, "", view, PHONE)
+    open_at(page, "", view, PHONE)
     stage = page.locator(".stage").bounding_box()
     assert stage["height"] == pytest.approx(0.45 * PHONE["height"], abs=12)
     small = page.evaluate(
@@ -432,7 +426,7 @@ def test_a_phone_keeps_the_stage_above_what_a_thumb_reaches(browser, server, vie
 
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_small_windows_show_the_stage_and_cut_nothing_off(page, view):
-    open_view(page, "", view)
+    open_at(page, "", view)
     # A phone on its side, a laptop and a phone at 200 %.
     for width, height in ((844, 390), (683, 384), (195, 422)):
         page.set_viewport_size({"width": width, "height": height})
@@ -450,7 +444,7 @@ def test_small_windows_show_the_stage_and_cut_nothing_off(page, view):
 
 
 def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page):
-    open_view(page, "&unknown=1")
+    open_at(page, "&unknown=1")
     page.locator(".stage-messages .message").wait_for()
     page.get_by_label("Arrows").check()
     for size in (PHONE, {"width": 683, "height": 384}, LAPTOP):
@@ -474,7 +468,7 @@ def test_nothing_lies_over_the_picture_or_moves_what_stands_below_it(page):
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
     page.emulate_media(color_scheme="dark")
-    open_view(page, "", view, motion="no-preference")
+    open_at(page, "", view, motion="no-preference")
     page.emulate_media(media="print")
     paint = "() => getComputedStyle(document.documentElement).getPropertyValue('--ink').trim()"
     on_screen = page.evaluate(paint)
@@ -497,7 +491,7 @@ def test_paper_shows_the_stage_the_curve_the_values_and_the_address(page, view):
 
 
 def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
-    open_view(page, "&scenario=fig02_mathieu")
+    open_at(page, "&scenario=fig02_mathieu")
     marks = page.evaluate(
         """() => {
           const { plot } = window.latolato.views.toy.player.curves.charts[0];
@@ -511,8 +505,7 @@ def test_an_angle_that_stays_small_can_be_read_off_its_axis(page):
 @pytest.mark.parametrize("language", ["en", "id"])
 def test_a_phone_s_header_is_low_and_shows_the_whole_name_of_its_language(page, language):
     page.set_viewport_size(PHONE)
-    page.goto(f"/?view=toy&lang={language}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, f"&lang={language}")
     select = page.locator("#language")
     width = select.bounding_box()["width"]
     select.evaluate("(element) => { element.style.width = 'max-content'; }")
@@ -529,7 +522,7 @@ def test_a_phone_s_header_is_low_and_shows_the_whole_name_of_its_language(page, 
 
 
 def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
-    open_view(page, "&scenario=toy&duration=2 s")
+    open_at(page, "&scenario=toy&duration=2 s")
     knobs = page.locator(".knobs")
     for label, text in (("How often", "66.9"), ("driving over natural frequency", "66")):
         field = knobs.get_by_label(label, exact=False).first
@@ -537,4 +530,4 @@ def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
         knobs.get_by_text("must lie between 0 and").first.wait_for()
         assert "frequency" not in page.url
         page.reload()
-        page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        page.wait_for_selector("[data-runs]")

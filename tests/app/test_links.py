@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app_pages import enter
+from app_pages import enter, open_view
 
-# How long a page may take to show its first run [ms].
-PATIENCE = 60_000
 READY = "[data-runs], [data-ready], [data-pictures], [data-form]"
 # Links with one part that is unknown, which comes last.
 BROKEN = [
@@ -35,7 +33,7 @@ def test_a_view_names_what_it_leaves_out_of_a_link_and_shows_the_rest(page, view
         page.goto(f"/?view={view}&{query}&map.size=8")
         part = query.split("&")[-1]
         page.locator(".message").get_by_text(f"leaves it out: “{part}”.").wait_for()
-        page.wait_for_selector(READY, timeout=PATIENCE)
+        page.wait_for_selector(READY)
         assert page.locator(".message.bad").count() == 0, query
         assert page.locator(".error").filter(visible=True).count() == 0, query
 
@@ -45,13 +43,13 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
         page.goto(f"/?view=toy&{query}")
         page.locator(".message.bad").get_by_text(words).wait_for()
         page.get_by_role("button", name="Reset to the preset").click()
-        page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        page.wait_for_selector("[data-runs]")
         assert page.locator(".message").count() == 0
 
 
 def test_one_sentence_names_all_parts(page):
     page.goto("/?view=nowhere&scenario=fig99&strange.thing=1.2&lenght=1")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     message = page.locator(".message")
     assert message.count() == 1
     for part in ("view=nowhere", "scenario=fig99", "strange.thing=1.2", "lenght=1"):
@@ -60,8 +58,7 @@ def test_one_sentence_names_all_parts(page):
 
 
 def test_a_hand_leaves_out_what_is_unknown(page):
-    page.goto("/?view=toy&toy.hand=1&rampe=1 s&restitution=0.8")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    open_view(page, "&rampe=1 s&restitution=0.8", view="held")
     page.locator(".message").get_by_text("“rampe=1 s”").wait_for()
     assert page.locator(".toy").get_by_label("Bounciness e").input_value() == "0.8"
 
@@ -69,7 +66,7 @@ def test_a_hand_leaves_out_what_is_unknown(page):
 def test_a_sweep_opens_in_map(page):
     page.goto("/?view=toy&scenario=fig05")
     page.wait_for_function("() => location.search.includes('map.scenario=fig05')")
-    page.wait_for_selector("[data-pictures]", timeout=PATIENCE)
+    page.wait_for_selector("[data-pictures]")
 
 
 def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page):
@@ -77,8 +74,7 @@ def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page)
         lambda: page.get_by_role("button", name="Dismiss this message").click(),
         lambda: page.get_by_label("Begin with").select_option("fig02"),
     ):
-        page.goto("/?view=toy&lenght=1")
-        page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        open_view(page, "&lenght=1")
         leave()
         page.locator(".message").wait_for(state="detached")
 
@@ -95,7 +91,7 @@ def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered
     page, query, name, text, problem, nearest
 ):
     page.goto(f"/?view=toy&scenario=toy&duration=4 s{query}")
-    page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs], [data-ready]")
     before = page.url
     field = page.get_by_role("textbox", name=name)
     enter(field, text)

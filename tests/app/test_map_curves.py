@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import open_view
 from latolato.analysis import floquet
 from latolato.app import CURVES
 from latolato.app.forms import registry
@@ -19,21 +20,13 @@ from latolato.io.analysis_tables import read_curves
 from shipped_curves import SHIPPED as MAKERS
 from shipped_curves import write_shipped
 
-PATIENCE = 240_000
 FIG11 = "&map.scenario=fig11&map.size=16&map.duration=10&map.transient=5"
 SHIPPED = (CURVES / "fig11.csv").read_text(encoding="utf-8")
 
 
-def open_map(page, query=FIG11):
-    page.goto(f"/?view=map{query}")
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
-
-
 def wait_for_curves(page, count):
     page.wait_for_function(
-        "(n) => window.latolato.views.map.over.shownCurves().length === n",
-        arg=count,
-        timeout=PATIENCE,
+        "(n) => window.latolato.views.map.over.shownCurves().length === n", arg=count
     )
 
 
@@ -122,7 +115,7 @@ def test_a_picture_of_a_map_has_its_bifurcation_curves(tmp_path):
 
 
 def test_curves_are_walked_along_switched_off_and_opened_in_toy(page):
-    open_map(page)
+    open_view(page, FIG11, view="map")
     wait_for_curves(page, 2)
     field = page.get_by_role("application")
     field.focus()
@@ -150,7 +143,7 @@ def test_curves_are_walked_along_switched_off_and_opened_in_toy(page):
     wait_for_curves(page, 1)
     assert "map.off=fold%2Ctongue" in page.url
     page.reload()
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.wait_for_selector("[data-done]")
     wait_for_curves(page, 1)
     page.get_by_text("Curves and trials").click()
     for label in ("Fold (", "Mathieu tongue"):
@@ -181,8 +174,7 @@ def test_curves_are_walked_along_switched_off_and_opened_in_toy(page):
     page.locator(".point").get_by_text("Fold · ").wait_for()
     page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_function(
-        "() => window.latolato.views.toy?.player.motion?.about.options.drive_amplitude > 0",
-        timeout=PATIENCE,
+        "() => window.latolato.views.toy?.player.motion?.about.options.drive_amplitude > 0"
     )
     found = page.evaluate(
         """() => {
@@ -208,9 +200,12 @@ def test_files_of_curves_and_trials_are_told_apart_and_others_are_refused(page, 
     (tmp_path / "trials.csv").write_text(
         "drive_amplitude,frequency_ratio,class\n20 mm,2.0,none\n200 mm,2.0,weak\n"
     )
-    open_map(page, FIG11.replace("scenario=fig11", "scenario=page") + "&length=24.5 cm"
-             "&mass=106.44 g&radius=19.6 mm&damping=5.06 g m/s&system=latolato&restitution=0.9"
-             "&initial_offset=0.2&map.x=drive_frequency&map.y=amplitude_ratio")  # fmt: skip
+    query = (
+        FIG11.replace("scenario=fig11", "scenario=page")
+        + "&length=24.5 cm&mass=106.44 g&radius=19.6 mm&damping=5.06 g m/s&system=latolato"
+        "&restitution=0.9&initial_offset=0.2&map.x=drive_frequency&map.y=amplitude_ratio"
+    )
+    open_view(page, query, view="map")
     page.get_by_text("Curves and trials").click()
     field = page.get_by_label("Trial table or curves")
     field.set_input_files([tmp_path / "curve.csv", tmp_path / "trials.csv"])
@@ -230,8 +225,8 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
         "&analyse.high=0.05, 4&analyse.points=30&analyse.ask=1"
         "&analyse.parameters=drive_amplitude, frequency_ratio"
     )
-    page.get_by_role("button", name="Show over a map").click(timeout=PATIENCE)
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.get_by_role("button", name="Show over a map").click()
+    page.wait_for_selector("[data-done]")
     wait_for_curves(page, 1)
     found = page.evaluate(
         """() => {
@@ -248,7 +243,7 @@ def test_a_curve_of_analyse_opens_over_a_map_of_the_same_system(page):
     assert (found["angle"], found["length"]) == (options["initial_angle"], options["length"])
     # The page forgets it when it is loaded again, and shows the map alone.
     page.reload()
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.wait_for_selector("[data-done]")
     wait_for_curves(page, 0)
 
 

@@ -11,18 +11,16 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter
+from app_pages import enter, new_context, open_view
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
-PATIENCE = 240_000
 # Short runs, few points; a map whose boundary is known.
 QUERY = "&map.scenario=fig05_push&map.duration=20&map.size=24&map.observable=largest_angle"
 
 
-def open_map(page, query=QUERY, path="/"):
-    page.goto(f"{path}?view=map{query}")
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+def open_map(page, query=QUERY):
+    open_view(page, query, "map")
 
 
 @contextmanager
@@ -30,7 +28,7 @@ def next_map(page):
     """Wait for the end of the map that something starts."""
     number = int(page.locator("[data-done]").get_attribute("data-done"))
     yield
-    page.wait_for_selector(f"[data-done='{number + 1}']", timeout=PATIENCE)
+    page.wait_for_selector(f"[data-done='{number + 1}']")
 
 
 PIXELS = """() => {
@@ -90,7 +88,7 @@ def check_colours(found):
 
 def test_cells_have_their_colours_and_runs_where_the_axes_say(page):
     open_map(page)
-    page.wait_for_selector("[data-runs='1']", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs='1']")
     found = page.evaluate(PIXELS)
     check_colours(found)
     # Keys move the cross, and show the run there.
@@ -98,11 +96,11 @@ def test_cells_have_their_colours_and_runs_where_the_axes_say(page):
     cross = "() => window.latolato.views.map.chart.cross"
     field.focus()
     page.evaluate("() => window.latolato.views.map.cursor.begin()")
-    page.wait_for_selector("[data-runs='2']", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs='2']")
     before = page.evaluate(cross)
     for key in ("ArrowUp", "ArrowRight", "Enter"):
         field.press(key)
-    page.wait_for_selector("[data-runs='3']", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs='3']")
     after = page.evaluate(cross)
     assert after[0] - before[0] == pytest.approx(5.0 / 23)
     assert after[1] - before[1] == pytest.approx(0.5 / 23)
@@ -112,13 +110,13 @@ def test_cells_have_their_colours_and_runs_where_the_axes_say(page):
     x = found["left"] + (inner["left"] + inner["width"] * 12.0 / 23.5) / ratio
     y = found["top"] + (inner["top"] + inner["height"] * (1.0 - 18.0 / 23.5)) / ratio
     page.mouse.click(x, y)
-    page.wait_for_selector("[data-runs='4']", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs='4']")
     amplitude, number = 0.5 * 18 / 23, 5.0 * 12 / 23
     page.get_by_text(f"A₀ = {1e3 * amplitude:.4g} mm").first.wait_for()
     page.locator(".point").get_by_role("button", name="Pause").wait_for()
     assert page.get_by_role("img", name="angle [°]").count() == 1
     page.get_by_role("button", name="Open in Toy").click()
-    page.wait_for_selector(".player [role=img]", timeout=PATIENCE)
+    page.wait_for_selector(".player [role=img]")
     page.wait_for_function("() => location.search.includes('view=toy')")
     page.get_by_text("More parameters", exact=True).click()
     # The computed value is in metres; nobody chose that unit.
@@ -404,7 +402,7 @@ def test_a_new_question_pales_the_picture_until_it_has_its_own(page):
         # Towards the white of the card.
         assert sum(during[name]) > sum(before[name]) or sum(before[name]) > 700, name
     page.evaluate("() => window.go()")
-    page.wait_for_function("() => window.latolato.views.map.grid.width === 400", timeout=PATIENCE)
+    page.wait_for_function("() => window.latolato.views.map.grid.width === 400")
     after = page.evaluate(place)
     assert not after["isOld"]
     assert after["ys"] != before["ys"]
@@ -472,7 +470,7 @@ def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(page)
         assert field.evaluate("(input) => input === document.activeElement")
     # The link leads to the same map.
     page.goto(page.url)
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.wait_for_selector("[data-done]")
     assert page.evaluate(FIXED) == fixed
 
 
@@ -556,7 +554,7 @@ def test_what_an_address_says_in_vain_is_told(page):
     assert points.input_value() == "501"
     assert "(251001)" in points.locator("option:checked").inner_text()
     points.select_option("25")
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.wait_for_selector("[data-done]")
     assert alert.count() == 0
     assert points.locator("option").count() == 6  # the usual numbers, and a coarse map at first
     page.goto(f"/?view=map{QUERY}&map.xlow=5&map.xhigh=1")
@@ -565,7 +563,7 @@ def test_what_an_address_says_in_vain_is_told(page):
 
 def test_the_map_is_open_to_everybody(page):
     open_map(page)
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     for width, scheme in itertools.product((1280, 390), ("light", "dark")):
         page.set_viewport_size({"width": width, "height": 800})
         page.emulate_media(color_scheme=scheme)
@@ -583,13 +581,10 @@ def test_a_map_of_the_command_line_is_shown(browser, tmp_path):
     made.to_netcdf(tmp_path / "part.nc")
     files = [f"--open={tmp_path / name}" for name in ("own.zarr", "part.nc")]
     server = start_server(*files)
-    context = browser.new_context(base_url=server.address)
+    context = new_context(browser, base_url=server.address)
     try:
         page = context.new_page()
-        page.goto(
-            "/?view=map&map.scenario=fig05_push&map.duration=5&map.size=8&map.contours=colours"
-        )
-        page.wait_for_selector("[data-done]", timeout=PATIENCE)
+        open_map(page, "&map.scenario=fig05_push&map.duration=5&map.size=8&map.contours=colours")
         with next_map(page):
             page.get_by_label("Map of").select_option("own.zarr")
         assert page.evaluate("() => Array.from(window.latolato.views.map.grid.y.values)") == [

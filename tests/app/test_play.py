@@ -11,19 +11,15 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter
+from app_pages import enter, new_context, open_view
 from app_server import start_server, stop_server
 from latolato.app.run_request import RunRequest
-
-# How long a page may take to show its first run [ms].
-PATIENCE = 60_000
 
 
 def open_play(page, query=""):
     """Open Play with a run at rest."""
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"/?view=toy{query}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, query)
 
 
 def open_form(page, query=""):
@@ -80,8 +76,7 @@ def test_a_run_has_few_samples_while_a_slider_moves_and_all_when_it_is_let_go(pa
 
 
 def test_numbers_that_would_lag_behind_the_picture_are_not_shown(page):
-    page.goto("/?view=toy&scenario=toy")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, "&scenario=toy")
     page.wait_for_timeout(1500)  # the first clacks
     fast, slow, paused = page.evaluate(
         """async () => {
@@ -252,7 +247,7 @@ def test_the_address_brings_the_same_run_back(page):
     before, address = page.evaluate(state), page.url
     page.goto("about:blank")
     page.goto(address)
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     assert page.evaluate(state) == before
 
 
@@ -371,8 +366,7 @@ def test_what_is_typed_stays_when_the_run_before_it_comes(page):
 
 def test_a_cell_of_a_schedule_keeps_what_is_typed_when_the_run_comes(page):
     page.emulate_media(reduced_motion="reduce")
-    page.goto("/?view=toy&scenario=fig12")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, "&scenario=fig12")
     page.get_by_text("More parameters", exact=True).click()
     first, second = (page.locator(".field.list input").nth(i) for i in (1, 3))
     first.fill("3.2")
@@ -492,7 +486,7 @@ def test_the_keyboard_plays_steps_and_zooms(page):
 @pytest.mark.parametrize("hand", ["", "&toy.hand=1"])
 def test_space_plays_and_pauses_wherever_no_field_has_the_focus(page, hand):
     page.goto(f"/?view=toy&scenario=toy{hand}")
-    page.wait_for_selector("[data-runs], [data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs], [data-ready]")
     for focus in ("body", "canvas, main", "a.brand", ".scrub", "#views a"):
         before = page.locator(".transport .play").inner_text()
         page.evaluate(
@@ -578,12 +572,12 @@ def test_the_ledger_makes_a_hundred_percent_on_each_side(page):
 
 def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
     first = start_server()
-    context = browser.new_context(viewport={"width": 1280, "height": 900})
+    context = new_context(browser, viewport={"width": 1280, "height": 900})
     page = context.new_page()
     errors = []
     page.on("pageerror", lambda error: errors.append(str(error)))
     page.goto(first.address)
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     stop_server(first)
     page.get_by_role("link", name="Map", exact=True).click()
     page.get_by_text("The server does not answer").wait_for()

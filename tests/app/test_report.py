@@ -8,6 +8,7 @@ import pytest
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
+from app_pages import new_context
 from app_server import start_server, stop_server
 from latolato.app import serve as app_serve
 from latolato.app.server import Settings, make_app
@@ -86,7 +87,7 @@ def test_without_a_report_the_page_says_how_to_build_one(page):
 
 
 def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
-    context = browser.new_context()
+    context = new_context(browser)
     page = context.new_page()
     faults = []
     page.on("console", lambda m: m.type == "error" and faults.append(m.text))
@@ -115,7 +116,7 @@ def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
     ],
 )
 def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, wanted):
-    context = browser.new_context()
+    context = new_context(browser)
     page = context.new_page()
     page.goto(f"{address}report/index.html")
     plate = page.locator(f"#{figure}")
@@ -123,7 +124,7 @@ def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, 
         "all => all.forEach((each) => { each.open = true; })"
     )
     plate.get_by_role("link", name=name).click()
-    page.wait_for_selector(ready, timeout=240_000)
+    page.wait_for_selector(ready)
     assert wanted in page.url
     assert page.locator(":is(.message, .error):visible").all_inner_texts() == []
     context.close()

@@ -9,17 +9,15 @@ import numpy as np
 import pytest
 
 import latolato as ll
+from app_pages import open_view
 
-# How long a page may take to show its first run [ms].
-PATIENCE = 60_000
 PRESETS = [name for name in ll.scenarios() if not ll.load_scenario(name).sweep]
 PLAYER = "const { motion, scene, clock } = window.latolato.views.toy.player;"
 
 
 def open_play(page, query):
     """Open Play with a run that stands still."""
-    page.goto(f"/?view=toy{query}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, query)
     of_scene(page, "clock.pause()")
 
 
@@ -265,9 +263,7 @@ def test_a_pinned_run_is_not_cut_off_by_a_smaller_one(page):
     page.get_by_role("button", name="Pin this run to compare").click()
     page.get_by_label("Begin with").select_option("first_push")
     page.wait_for_function("() => /first_push/.test(location.search)")
-    page.wait_for_function(
-        f"() => {{ {PLAYER} return scene.pinned && scene.pinned !== motion; }}", timeout=PATIENCE
-    )
+    page.wait_for_function(f"() => {{ {PLAYER} return scene.pinned && scene.pinned !== motion; }}")
     above = of_scene(page, "scene.place(0, scene.pinned.box(scene.time).high)[1]")
     assert above >= 0
 

@@ -8,13 +8,11 @@ import re
 import numpy as np
 import pytest
 
+from app_pages import open_view
 from browser_checks import serious_faults
 from held_pages import AT_REST
 
-# What the address says of a toy, and of one in a hand.
-ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
 GAP = 3000  # ms between sentences
-READY = {"toy": "[data-runs]", "held": "[data-ready]", "map": "[data-done]"}
 # What each view shows.
 TOY = "&scenario=toy"
 SMALL = "&map.scenario=fig05_push&map.duration=20&map.size=8&map.observable=largest_angle"
@@ -57,11 +55,6 @@ RATE = 48000
 DELAY = 0.02  # s, that of `sound.js`
 
 
-def open_view(page, view, query=""):
-    page.goto(f"/?view={ADDRESS[view]}{query}")
-    page.wait_for_selector(READY[view], timeout=240_000)
-
-
 def said(page):
     return page.locator(".narration").text_content()
 
@@ -86,7 +79,7 @@ def text_of(node, field):
 
 def test_a_run_is_told_in_a_polite_region_as_fast_as_one_can_follow(page):
     page.emulate_media(reduced_motion="reduce")  # elsewhere it plays before anybody watches
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     page.evaluate(WATCH)
     page.get_by_role("button", name="Play", exact=True).click()
     wait_until_said(page, "below and above the hand in turn, 3.0 times")
@@ -107,7 +100,7 @@ def test_a_run_is_told_in_a_polite_region_as_fast_as_one_can_follow(page):
 
 
 def test_a_pause_says_where_everything_is_and_then_is_silent(page):
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     page.wait_for_function("() => window.latolato.views.toy.player.clock.time > 0.3")
     page.keyboard.press("Space")
     text = said(page)
@@ -133,7 +126,7 @@ def test_a_pause_says_where_everything_is_and_then_is_silent(page):
 
 
 def test_a_changed_parameter_is_named(page):
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     page.get_by_label("How far the hand moves, slider").fill("40")
     wait_until_said(page, "“How far the hand moves” is smaller now.")
     page.get_by_label("Begin with").select_option("kapitza")
@@ -141,7 +134,7 @@ def test_a_changed_parameter_is_named(page):
 
 
 def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
-    open_view(page, "held", TOY)
+    open_view(page, TOY, view="held")
     wait_until_said(page, "clack above the hand for the first time")
     page.keyboard.press("ArrowUp")
     wait_until_said(page, "“How far the hand moves” is larger now.")
@@ -159,7 +152,7 @@ def test_a_toy_in_a_hand_tells_what_a_key_changes(page):
 
 
 def test_charts_say_what_they_show(page):
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     page.get_by_text("Energy and more curves").click()
     for quantity in ("angles", "energies", "powers"):
         page.wait_for_selector(f".chart[aria-label*='The {quantity} lie between']")
@@ -177,7 +170,7 @@ def listen(page, **how):
 
 
 def test_every_clack_is_heard_when_balls_meet(page):
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     heard = listen(page, clacks=True, tones=False, speed=0.5, playing=7.9, length=8)
     times, kinds = page.evaluate(
         """() => {
@@ -195,7 +188,7 @@ def test_every_clack_is_heard_when_balls_meet(page):
 
 
 def test_the_angle_is_heard_as_pitch_and_side(page):
-    open_view(page, "toy", "&scenario=fig02&initial_angle=60%20deg&duration=10%20s")
+    open_view(page, "&scenario=fig02&initial_angle=60%20deg&duration=10%20s")
     speed = 0.3
     heard = listen(page, clacks=False, tones=True, speed=speed, playing=8, length=9)
     for at in np.arange(0.5, 7.8, 0.37):
@@ -234,7 +227,7 @@ window.AudioContext = class extends window.AudioContext {
 
 def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
     page.add_init_script(OPENED)
-    open_view(page, "held", TOY)
+    open_view(page, TOY, view="held")
     page.wait_for_function("() => window.latolato.views.toy.hand.toy.contacts > 3")
     assert page.evaluate("() => window.opened") == 0
     page.get_by_text("Listen and read").click()
@@ -244,7 +237,7 @@ def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
     other = page.context.new_page()
     watch.attach(other)
     other.add_init_script(OPENED)
-    open_view(other, "held", TOY)
+    open_view(other, TOY, view="held")
     other.wait_for_function("() => window.latolato.views.toy.hand.toy.contacts > 3")
     assert other.get_by_label("Hear the angle").is_checked()
     assert not other.get_by_label("Sound", exact=True).is_checked()
@@ -255,7 +248,7 @@ def test_a_page_is_silent_until_asked_and_remembers_the_choice(page, watch):
 
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
-    open_view(page, view, TOY)
+    open_view(page, TOY, view)
     sound = page.locator(".stage-tools").get_by_label("Sound", exact=True)
     sound.check()
     page.wait_for_function("() => window.latolato.views.toy.player.accessibility.sound?.clacks")
@@ -290,7 +283,7 @@ MISSED = """() => [...document.querySelectorAll(
 @pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_tab_reaches_every_control_and_shows_where_it_is(page, view):
     page.emulate_media(reduced_motion="reduce")
-    open_view(page, view, QUERIES[view])
+    open_view(page, QUERIES[view], view)
     page.locator(".brand").focus()
     page.keyboard.press("Shift+Tab")
     seen = []
@@ -310,7 +303,7 @@ def test_tab_reaches_every_control_and_shows_where_it_is(page, view):
 
 @pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
-    open_view(page, view, QUERIES[view])
+    open_view(page, QUERIES[view], view)
     page.evaluate("() => document.activeElement.blur()")
     page.keyboard.press("?")
     dialog = page.get_by_role("dialog", name="Keys of this view")
@@ -334,7 +327,7 @@ def test_a_question_mark_lists_the_keys_that_a_view_binds(page, view):
 
 
 def test_a_held_toy_leaves_keys_to_what_has_the_focus(page):
-    open_view(page, "held", TOY)
+    open_view(page, TOY, view="held")
     page.keyboard.press("Space")
     page.get_by_role("link", name="Toy", exact=True).focus()
     page.keyboard.press("ArrowUp")  # scrolls there
@@ -350,7 +343,7 @@ def test_a_held_toy_leaves_keys_to_what_has_the_focus(page):
 
 @pytest.mark.parametrize("view", ["toy", "held"])
 def test_a_described_view_is_accessible_and_fits_the_screen_also_enlarged(page, view):
-    open_view(page, view, TOY if view == "toy" else AT_REST)
+    open_view(page, TOY if view == "toy" else AT_REST, view)
     if view == "held":
         # Contrast is checked of what is there: of a pressed button, too.
         page.locator(".trick button[aria-pressed=true]").first.wait_for()
@@ -374,7 +367,7 @@ def test_a_described_view_is_accessible_and_fits_the_screen_also_enlarged(page, 
 
 def test_who_wants_little_motion_has_no_flash_and_no_motion_unasked(page):
     page.emulate_media(reduced_motion="reduce")
-    open_view(page, "toy", TOY)
+    open_view(page, TOY)
     page.wait_for_timeout(300)
     assert page.evaluate("() => window.latolato.views.toy.player.clock.time") == 0
     flashes = page.evaluate(

@@ -5,11 +5,8 @@ from __future__ import annotations
 import pytest
 from PIL import Image
 
-from app_pages import enter
+from app_pages import enter, open_view
 
-# How long a page may take to show its first run [ms].
-PATIENCE = 60_000
-READY = "[data-runs], [data-ready], [data-done]"
 # A system that can share, and what it was given.
 SHARES = """() => {
   navigator.canShare = () => true;
@@ -25,15 +22,14 @@ def of_linux(page):
     page.add_init_script("delete Navigator.prototype.share;")
 
 
-def open_menu(page, query):
-    page.goto(f"/?{query}&map.size=8")
-    page.wait_for_selector(READY, timeout=PATIENCE)
+def open_menu(page, query="", view="toy"):
+    open_view(page, f"{query}&map.size=8", view)
     page.get_by_role("button", name="Share").click()
 
 
-@pytest.mark.parametrize("view", ["toy", "toy&toy.hand=1", "map"])
+@pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
-    open_menu(page, f"view={view}")
+    open_menu(page, view=view)
     with page.expect_download() as caught:
         page.get_by_role("button", name="Save the picture").click()
     caught.value.save_as(tmp_path / "stage.png")
@@ -44,7 +40,7 @@ def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
 
 def test_the_link_is_copied(page):
     page.context.grant_permissions(["clipboard-read", "clipboard-write"])
-    open_menu(page, "view=toy&scenario=toy")
+    open_menu(page, "&scenario=toy")
     field = page.get_by_role("textbox", name="Bounciness")
     enter(field, "0.8")
     link = page.get_by_role("textbox", name="Link")
@@ -57,7 +53,7 @@ def test_the_link_is_copied(page):
 
 def test_without_the_clipboard_the_link_is_selected(page):
     page.add_init_script("Object.defineProperty(navigator, 'clipboard', { value: undefined });")
-    open_menu(page, "view=toy&scenario=toy")
+    open_menu(page, "&scenario=toy")
     page.get_by_role("button", name="Copy the link").click()
     page.get_by_text("The link is selected").wait_for()
     assert page.evaluate("() => getSelection().toString()").endswith("scenario=toy&map.size=8")
@@ -67,8 +63,7 @@ def test_without_the_clipboard_the_link_is_selected(page):
 
 
 def test_a_system_that_shares_gets_the_link_and_the_picture(page):
-    page.goto("/?view=toy&scenario=toy")
-    page.wait_for_selector(READY, timeout=PATIENCE)
+    open_view(page, "&scenario=toy")
     page.evaluate(SHARES)
     page.get_by_role("button", name="Share").click()
     page.wait_for_function("() => window.given")
@@ -89,8 +84,7 @@ def test_a_system_that_shares_gets_the_link_and_the_picture(page):
 @pytest.mark.parametrize("size", [(1366, 768), (844, 390), (683, 384), (390, 844)])
 def test_the_menu_opens_within_the_stage_and_moves_nothing(page, size):
     page.set_viewport_size({"width": size[0], "height": size[1]})
-    page.goto("/?view=toy&scenario=toy")
-    page.wait_for_selector(READY, timeout=PATIENCE)
+    open_view(page, "&scenario=toy")
     button, stage = page.get_by_role("button", name="Share"), page.locator(".stage")
     places = [button.bounding_box(), stage.bounding_box()]
     button.click()

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from app_pages import enter, launch
+from app_pages import enter, launch, new_context
 from browser_checks import serious_faults
 from firefox import firefox_page
 from latolato.app.forms import registry
@@ -23,7 +23,6 @@ from same_runs import check_same, in_python
 
 DOCS = Path(__file__).parents[2] / "docs"
 RUNS = [name for name, each in registry()["scenarios"].items() if not each["sweep"]]
-PATIENCE = 60_000
 MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
 <script type="module" src="latolato-player.js"></script>
 <latolato-player scenario="zeno" duration="2 s"></latolato-player>
@@ -66,7 +65,7 @@ def web(tmp_path_factory):
 @pytest.fixture
 def visit(browser, web):
     """A page of the site; what went wrong on it and whom it asked are lists."""
-    context = browser.new_context(viewport={"width": 1366, "height": 768})
+    context = new_context(browser, viewport={"width": 1366, "height": 768})
     page = context.new_page()
     page.faults, page.hosts = [], set()
     page.on("pageerror", lambda error: page.faults.append(str(error)))
@@ -81,7 +80,7 @@ def test_scenarios_run_without_a_server_that_computes(visit, web):
     address, _ = web
     for name in ("toy", "zeno", "ballpair_asymmetric"):
         visit.goto(f"{address}?view=toy&scenario={name}")
-        visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+        visit.wait_for_selector("[data-runs]")
         assert visit.locator(".error:visible").all_inner_texts() == [], name
     assert visit.faults == []
     assert visit.hosts == {address.split("/")[2]}
@@ -102,8 +101,8 @@ def test_every_view_is_there_or_says_what_it_needs(visit, web, view):
 @pytest.mark.parametrize("name", ["fig03cd", "fig05"])
 def test_a_sweep_is_computed_without_a_server_that_computes(visit, web, name):
     visit.goto(f"{web[0]}?view=map&map.scenario={name}&map.size=10")
-    visit.wait_for_selector("[data-done]", timeout=PATIENCE)
-    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    visit.wait_for_selector("[data-done]")
+    visit.wait_for_selector("[data-runs]")
     assert visit.locator(":is(.message, .error):visible").all_inner_texts() == []
     visit.get_by_text("Download", exact=True).click()
     with visit.expect_download() as waiting:
@@ -145,25 +144,25 @@ KEPT_CODE = """async () => {
 
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.goto(web[0])
-    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    visit.wait_for_selector("[data-runs]")
     visit.evaluate("() => navigator.serviceWorker.ready")
     assert visit.evaluate(KEPT_CODE) == _code(web[1], is_scalar=False)
     visit.context.set_offline(True)
     for query, ready in OFFLINE.items():
         visit.goto(f"{web[0]}?{query}")
-        visit.wait_for_selector(ready, timeout=PATIENCE)
+        visit.wait_for_selector(ready)
     assert visit.faults == []
 
 
 def test_a_page_that_was_never_read_says_so_without_a_network(visit, web):
     visit.goto(web[0])
     visit.locator("#language").select_option("id")
-    visit.get_by_role("button", name="Bagikan").wait_for(timeout=PATIENCE)
+    visit.get_by_role("button", name="Bagikan").wait_for()
     visit.evaluate("() => navigator.serviceWorker.ready")
     visit.context.set_offline(True)
     visit.goto(f"{web[0]}docs/gallery.html")
     visit.locator(".message").get_by_text("belum tersimpan di perangkat ini").wait_for()
-    visit.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    visit.wait_for_selector("[data-runs]")
     visit.context.set_offline(False)
     visit.goto(f"{web[0]}docs/gallery.html")
     visit.context.set_offline(True)
@@ -210,7 +209,7 @@ DEVICES = {
 
 @pytest.mark.parametrize("device", DEVICES)
 def test_a_toy_and_one_in_a_hand_work_on(browser, web, device):
-    context = browser.new_context(**DEVICES[device])
+    context = new_context(browser, **DEVICES[device])
     page = context.new_page()
     faults = []
     page.on("pageerror", lambda error: faults.append(str(error)))
@@ -219,7 +218,7 @@ def test_a_toy_and_one_in_a_hand_work_on(browser, web, device):
         context.new_cdp_session(page).send("Emulation.setCPUThrottlingRate", {"rate": 4})
     for query, ready in (("", "[data-runs]"), ("&toy.hand=1", "[data-ready]")):
         page.goto(f"{web[0]}?view=toy{query}")
-        page.wait_for_selector(ready, timeout=PATIENCE)
+        page.wait_for_selector(ready)
         page.wait_for_function(f"() => ({COLOURS})() > 3")
         seen = page.locator("main canvas").first.bounding_box()
         size = page.viewport_size
@@ -247,7 +246,7 @@ def test_a_browser_without_simd_takes_the_scalar_modules(browser, web):
     loaded = set()
     page.on("request", lambda request: loaded.add(request.url.rpartition("/")[2]))
     page.goto(f"{web[0]}?view=toy&scenario=toy")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    page.wait_for_selector("[data-runs]")
     page.evaluate("() => navigator.serviceWorker.ready")
     kept = page.evaluate(KEPT_CODE)
     other.close()

@@ -8,18 +8,12 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 
+from app_pages import open_view
 from latolato.app.run_request import RunRequest
 
-# How long a page may take to show its first run [ms].
-PATIENCE = 60_000
 PLAYER = (
     "const { player } = window.latolato.views.toy; const { motion, scene, clock, start } = player;"
 )
-
-
-def open_play(page, query):
-    page.goto(f"/?view=toy{query}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
 
 
 def of_player(page, expression, argument=None):
@@ -87,7 +81,7 @@ def degrees_of(text):
     ],
 )
 def test_a_dragged_ball_is_where_the_run_begins(page, scenario, ball, through, wanted):
-    open_play(page, f"&scenario={scenario}")
+    open_view(page, f"&scenario={scenario}")
     of_player(page, "clock.seek(0.05 * clock.end)")
     # Slowly, so that the pointer finds the ball.
     of_player(page, "clock.speed = 1e-3")
@@ -125,7 +119,7 @@ def test_a_dragged_ball_is_where_the_run_begins(page, scenario, ball, through, w
 
 
 def test_curve_and_legend_show_where_a_ball_is_led(page):
-    open_play(page, "&scenario=ballpair_asymmetric")
+    open_view(page, "&scenario=ballpair_asymmetric")
     lead(page, 0, [30, 75])
     held = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
     legend = page.locator(".timeline .legend output").all_inner_texts()
@@ -149,7 +143,7 @@ def test_curve_and_legend_show_where_a_ball_is_led(page):
 
 
 def test_mirrored_balls_move_together_and_never_through_each_other(page):
-    open_play(page, "&scenario=toy")
+    open_view(page, "&scenario=toy")
     low, high = of_player(page, "[motion.low, motion.high]")
     lead(page, 0, [40, 20, -20, -60])
     right, left = of_player(page, "scene.held.balls.map(({ angle }) => angle)")
@@ -167,7 +161,7 @@ def test_mirrored_balls_move_together_and_never_through_each_other(page):
 
 
 def test_arrow_keys_change_the_start_and_say_so(page):
-    open_play(page, "&scenario=toy&initial_angle=20 deg")
+    open_view(page, "&scenario=toy&initial_angle=20 deg")
     stage = page.get_by_role("application")
     stage.focus()
     stage.press("ArrowRight")
@@ -187,7 +181,7 @@ def test_arrow_keys_change_the_start_and_say_so(page):
 
 
 def test_keys_move_each_of_two_balls(page):
-    open_play(page, "&scenario=ballpair_asymmetric&initial_angle=40 deg, -30 deg")
+    open_view(page, "&scenario=ballpair_asymmetric&initial_angle=40 deg, -30 deg")
     stage = page.get_by_role("application")
     stage.focus()
     stage.press("ArrowRight")
@@ -205,10 +199,10 @@ def test_keys_move_each_of_two_balls(page):
 
 
 def test_keys_of_a_left_ball_move_its_twin_and_are_not_listed_for_one(page):
-    open_play(page, "&scenario=toy&initial_angle=20 deg")
+    open_view(page, "&scenario=toy&initial_angle=20 deg")
     page.get_by_role("application").press("a")
     page.get_by_text("The balls start at 25 degrees.").wait_for()
-    open_play(page, "&scenario=fig02")
+    open_view(page, "&scenario=fig02")
     stage = page.get_by_role("application")
     stage.press("a")
     stage.press("?")
@@ -220,14 +214,14 @@ def test_keys_of_a_left_ball_move_its_twin_and_are_not_listed_for_one(page):
 
 def test_who_wants_little_motion_starts_a_run_without_playing_it(page):
     page.emulate_media(reduced_motion="reduce")
-    open_play(page, "&scenario=toy")
+    open_view(page, "&scenario=toy")
     lead(page, 0, [40])
     release(page)
     assert of_player(page, "[clock.playing, clock.time]") == [False, 0]
 
 
 def test_a_click_on_a_ball_changes_nothing(page):
-    open_play(page, "&scenario=toy")
+    open_view(page, "&scenario=toy")
     box = page.locator("canvas.scene").bounding_box()
     x, y = of_player(page, PLACE, [0, None])
     page.mouse.click(box["x"] + x, box["y"] + y)
@@ -237,7 +231,7 @@ def test_a_click_on_a_ball_changes_nothing(page):
 
 def test_a_finger_drags_a_ball_and_scrolls_the_page_elsewhere(page):
     page.set_viewport_size({"width": 390, "height": 600})
-    open_play(page, "&scenario=toy")
+    open_view(page, "&scenario=toy")
     page.locator("canvas.scene").scroll_into_view_if_needed()
     session = page.context.new_cdp_session(page)
     session.send("Emulation.setTouchEmulationEnabled", {"enabled": True})

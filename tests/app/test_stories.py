@@ -733,7 +733,7 @@ def test_the_button_of_a_question_covers_no_answer_on_a_low_phone(page, height):
 def test_a_low_window_shows_the_story_beside_the_stage(page):
     page.set_viewport_size({"width": 683, "height": 384})  # a laptop at 200 % zoom
     page.goto("/?story.name=first_clack&story.step=2")
-    page.wait_for_selector("[data-runs]", timeout=60_000)
+    page.wait_for_selector("[data-runs]")
     panel, stage = (page.locator(each).bounding_box() for each in (".story", ".desk .stage .scene"))
     assert stage["x"] + stage["width"] <= panel["x"]
     assert stage["y"] + stage["height"] <= 384

@@ -8,11 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from app_pages import enter
+from app_pages import enter, open_view
 from latolato.app.site import write_site
 from site_in_node import answers_in_node
 
-PATIENCE = 60_000  # ms
 LOOP = (
     "&system=pendulum&length=0.5 m&mass=0.2 kg&initial_angle=20 deg"
     "&initial_angular_velocity=8 rad/s&duration=3 s"
@@ -30,17 +29,12 @@ SEEN = """async () => {
 }"""
 
 
-# What the address says of a run, and of a toy in a hand.
-ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1"}
-
-
 def opened(page, query, view="toy"):
     """Return the compiled modules that a view loads until it shows its first motion."""
     loaded = []
     page.on("request", lambda request: loaded.append(request.url.rpartition("/")[2]))
     page.emulate_media(reduced_motion="reduce")
-    page.goto(f"/?view={ADDRESS[view]}{query}")
-    page.wait_for_selector(".view.toy:is([data-runs], [data-ready])", timeout=PATIENCE)
+    open_view(page, query, view)
     return {name for name in loaded if name.endswith(".wasm")}
 
 
@@ -92,17 +86,17 @@ def test_a_hand_hangs_its_toy_on_strings(page):
 
 def test_a_toy_in_a_hand_says_how_far_slack_balls_are(page):
     page.goto("/?view=toy&toy.hand=1&scenario=toy_strings")
-    page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for(timeout=PATIENCE)
+    page.get_by_text(re.compile(r"contacts, slack at [\d.]+ cm")).wait_for()
 
 
 def test_a_map_of_strings_has_a_field_for_the_distance(page):
     shape = "&map.scenario=page&map.size=5&map.duration=1&map.observable=slack_fraction"
     page.goto(f"/?view=map&scenario=toy_strings{shape}")
-    page.wait_for_selector("[data-done='1']", timeout=PATIENCE)
+    page.wait_for_selector("[data-done='1']")
     page.get_by_text("Parameters that do not vary").click()
     distance = page.get_by_label("distance from the pivot at the start", exact=False).first
     enter(distance, "12 cm")
-    page.wait_for_selector("[data-done='2']", timeout=PATIENCE)
+    page.wait_for_selector("[data-done='2']")
     # Each ball falls for a while before its string is taut.
     assert page.evaluate("() => Math.min(...window.latolato.views.map.grid.values[0])") > 0.0
 

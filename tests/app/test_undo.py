@@ -4,15 +4,11 @@ from __future__ import annotations
 
 import pytest
 
-from app_pages import enter
-
-# How long a page may take to show its first run or map [ms].
-PATIENCE = 60_000
+from app_pages import enter, open_view
 
 
 def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
-    page.goto(f"/?view=toy{query}")
-    page.wait_for_selector("[data-runs]", timeout=PATIENCE)
+    open_view(page, query)
     page.get_by_text("More parameters", exact=True).click()
 
 
@@ -44,12 +40,12 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     type_into(page, "driving amplitude", "28")
     type_into(page, "coefficient of restitution", "0.8")
     page.get_by_role("link", name="Map").click()
-    page.wait_for_selector("[data-done]", timeout=PATIENCE)
+    page.wait_for_selector("[data-done]")
     page.get_by_role("button", name="Zoom in on the cross").click()
     wait_for_step(page, 4)
     page.get_by_role("link", name="Toy").click()
     page.get_by_role("button", name="Hold it yourself").click()
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    page.wait_for_selector("[data-ready]")
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowUp")
     wait_for_step(page, 7)
@@ -130,8 +126,7 @@ def test_a_refused_run_offers_the_way_back(page):
 
 
 def test_a_toy_in_a_hand_goes_on_where_a_control_is_undone(page):
-    page.goto("/?view=toy&toy.hand=1&scenario=toy")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    open_view(page, "&scenario=toy", view="held")
     page.evaluate("() => { window.first = window.latolato.views.toy.hand.toy; }")
     usual = page.evaluate("() => window.first.controls.restitution")
     type_into(page, "Bounciness", "0.5")

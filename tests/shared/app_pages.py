@@ -31,6 +31,11 @@ _ARGUMENTS = (
     "--disable-component-update",
     "--disable-sync",
 )
+# How long a page may take to show its first run, map or result [ms].
+PATIENCE = 240_000
+# What the address says of a view or of a toy in a hand, and what marks that it shows something.
+ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
+READY = {"toy": "[data-runs]", "held": "[data-ready]", "map": "[data-done]"}
 
 
 @pytest.fixture(scope="session")
@@ -62,6 +67,19 @@ def launch(kind: Any, *arguments: str) -> Any:
     path = next(filter(None, map(shutil.which, _BROWSERS)), None)
     assert path is not None, "these tests need Chromium: apt-get install chromium"
     return kind.launch(executable_path=path, args=[*_ARGUMENTS, *arguments])
+
+
+def new_context(browser: Any, **options: Any) -> Any:
+    """Return a context of a browser whose pages have the time that they may need."""
+    context = browser.new_context(**options)
+    context.set_default_timeout(PATIENCE)
+    return context
+
+
+def open_view(page: Any, query: str = "", view: str = "toy") -> None:
+    """Open a view, and wait until it shows its first run, toy or map."""
+    page.goto(f"/?view={ADDRESS[view]}{query}")
+    page.wait_for_selector(READY[view])
 
 
 def enter(field: Any, text: str) -> None:
@@ -111,7 +129,7 @@ def watch(server: Server) -> Iterator[Watch]:
 @pytest.fixture(scope="session")
 def anchor(browser: Any, server: Server) -> Iterator[Any]:
     """A page without scripts that stays open: pages beside it open in half the time."""
-    context = browser.new_context(base_url=server.address)
+    context = new_context(browser, base_url=server.address)
     anchor = context.new_page()
     anchor.goto("/icon.svg")
     yield anchor

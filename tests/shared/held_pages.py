@@ -4,16 +4,15 @@ from __future__ import annotations
 
 from typing import Any
 
-# How long a page may take to show its toy [ms].
-PATIENCE = 240_000
+from app_pages import open_view
+
 # The toy of Fig. 12 at rest, shaken as in its slow second stage, too gently to lift the balls off.
 AT_REST = "&scenario=fig12&drive=harmonic&drive_amplitude=34 mm&frequency_ratio=2.389"
 
 
 def open_held(page: Any, query: str = AT_REST) -> None:
     """Open the toy in a hand and wait until it moves."""
-    page.goto(f"/?view=toy&toy.hand=1{query}")
-    page.wait_for_selector("[data-ready]", timeout=PATIENCE)
+    open_view(page, query, view="held")
     page.wait_for_function("() => window.latolato.views.toy.hand.toy.time > 0.05")
 
 
