@@ -49,7 +49,7 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowUp")
     wait_for_step(page, 7)
-    wait_for_options(page, drive_amplitude="0.029 m")
+    wait_for_options(page, drive_amplitude="29 mm")
     views = ["toy", "toy", "toy", "map", "map", "toy", "toy", "toy"]
     end = page.url
     for step in (6, 5, 4, 3, 2, 1, 0):

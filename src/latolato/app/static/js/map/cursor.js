@@ -1,7 +1,7 @@
 /** The cross on a map: where it is, what is known there, and the run of its point. */
 
 import { el, isCalm } from "../page/dom.js";
-import { textsOf } from "../page/links.js";
+import { textsOf } from "../page/option_texts.js";
 import { Motion } from "../player/motion.js";
 import { Preview } from "../player/preview.js";
 import { inPagesWords } from "../page/refusals.js";

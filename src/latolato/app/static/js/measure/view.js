@@ -4,10 +4,9 @@ import { Clock } from "../player/clock.js";
 import { Curves } from "../player/curves.js";
 import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
-import { textOf } from "../page/option_texts.js";
+import { textsOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
 import { inPagesWords, sentenceInLanguage, warningsText } from "../page/refusals.js";
-import { short } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
@@ -200,11 +199,8 @@ export class MeasureView {
   async example(kind) {
     const clip = await this.session.example(kind);
     if (!clip || this.session.clip !== clip) return;
-    const values = Object.entries(KNOWN).map(([name, known]) => {
-      const unit = this.page.registry.options[name].units[0];
-      return [name, `${short(clip.truth[known] / unit.size)} ${unit.name}`];
-    });
-    this.setup?.fill(Object.fromEntries(values));
+    const values = Object.fromEntries(Object.entries(KNOWN).map(([name, known]) => [name, clip.truth[known]]));
+    this.setup?.fill(textsOf(this.page.registry, values));
     this.resized();
   }
 
@@ -410,10 +406,8 @@ export class MeasureView {
   /** @param {Record<string, any>} options in SI units */
   play(options) {
     const known = this.page.registry.options;
-    const texts = Object.fromEntries(Object.entries(options)
-      .filter(([name, value]) => value !== known[name]?.default)
-      .map(([name, value]) => [name, textOf(known[name], value)]));
-    openState(this.page, { view: "toy", scenario: null, options: texts });
+    const own = Object.fromEntries(Object.entries(options).filter(([name, value]) => value !== known[name]?.default));
+    openState(this.page, { view: "toy", scenario: null, options: textsOf(this.page.registry, own) });
   }
 }
 

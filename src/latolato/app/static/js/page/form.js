@@ -5,8 +5,8 @@ import { el, freshId } from "./dom.js";
 import { readEntry, readQuantity } from "./entry.js";
 import { choice } from "./fields.js";
 import { explanation, Knob, symbolOf } from "./knob.js";
-import { heldOptions, hungOn, START, textIn, withLaws, withOptions } from "./option_texts.js";
-import { localShort, short, shownUnit } from "./unit_text.js";
+import { heldOptions, hungOn, START, textIn, textsOf, withLaws, withOptions } from "./option_texts.js";
+import { localShort, shownUnit } from "./unit_text.js";
 
 /** @typedef {import("./state.js").Store} Store */
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */
@@ -297,12 +297,7 @@ export class Form {
     /** @type {number[][]} */
     let columns = names.map(() => []);
     const write = () => {
-      /** @type {Record<string, string>} */
-      const changed = {};
-      names.forEach((name, k) => {
-        changed[name] = columns[k].map((v) => `${short(v / unit(k).size, 12)} ${unit(k).name}`).join(", ");
-      });
-      this.giveAll(changed);
+      this.giveAll(textsOf(this.registry, Object.fromEntries(names.map((name, k) => [name, columns[k]]))));
     };
     const texts = () => JSON.stringify(columns.map((column, k) => column.map((v) => localShort(v / unit(k).size))));
     /** What is on show: the cells, in one of which somebody may type, stay until it changes. */

@@ -1,8 +1,6 @@
 /** Links that lead to another view with other parameters. */
 
-import { toSi } from "../model/units.js";
 import { el } from "./dom.js";
-import { textOf } from "./option_texts.js";
 import { format } from "./state.js";
 
 /** @typedef {import("./state.js").Page} Page */
@@ -53,32 +51,4 @@ function addressOf({ store: { state: { lang } } }, target) {
 export function openState(page, target) {
   page.store.set(target, "view");
   window.scrollTo(0, 0);
-}
-
-/**
- * Return values in SI units as the texts of options.
- * @param {any} registry
- * @param {Record<string, any>} values
- * @returns {Record<string, string>}
- */
-export function textsOf(registry, values) {
-  return Object.fromEntries(Object.entries(values).map(([name, value]) =>
-    [name, inUsualUnit(registry, name, value)]));
-}
-
-/**
- * Return the text of an option in the unit that fields show first, where that is read as the same numbers.
- * @param {any} registry
- * @param {string} name
- * @param {any} value in SI units
- */
-function inUsualUnit(registry, name, value) {
-  const option = registry.options[name];
-  const [unit] = option.units;
-  const values = [value].flat();
-  if (unit && unit.name !== "1" && values.every((each) => typeof each === "number")) {
-    const texts = values.map((each) => `${Number((each / unit.size).toPrecision(12))} ${unit.name}`);
-    if (texts.every((text, i) => toSi(registry, name, text, option.unit) === values[i])) return texts.join(", ");
-  }
-  return textOf(option, value);
 }

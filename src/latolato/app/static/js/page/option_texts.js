@@ -1,7 +1,7 @@
 /** Options that belong to systems and drives, and what is kept where these change. */
 
 import { withoutAlternatives } from "../model/options.js";
-import { short } from "./unit_text.js";
+import { toSi } from "../model/units.js";
 
 /**
  * An option as a field shows it. `placeholder` stands in an empty field, `labels` name choices;
@@ -52,7 +52,7 @@ export function withLaws(registry, options, resolved, system, drive) {
   for (const name of known) {
     const option = registry.options[name];
     if (name in result || name in resolved || option.default !== null) continue;
-    result[name] = textOf(option, option.usual ?? option.low ?? 0);
+    result[name] = textOf(registry, name, option.usual ?? option.low ?? 0);
   }
   const two = registry.systems[system].angles === 2;
   const before = result.initial_angle ?? resolved.initial_angle;
@@ -128,15 +128,31 @@ export function naturalFrequency({ gravity, length, right_length: right }) {
 }
 
 /**
- * Return a value in SI units as the text of an option.
- * @param {FieldOption} option
+ * Return a value in SI units as the text of an option: in the unit that fields show first, where that is read as
+ * the same numbers.
+ * @param {any} registry
+ * @param {string} name
  * @param {any} value
  * @returns {string}
  */
-export function textOf(option, value) {
-  const unit = option.unit && option.unit !== "1" ? ` ${option.unit}` : "";
-  if (Array.isArray(value)) return value.map((v) => `${v}${unit}`).join(", ");
-  return typeof value === "number" ? `${value}${unit}` : String(value);
+export function textOf(registry, name, value) {
+  const { unit, units: [usual] } = registry.options[name];
+  const values = [value].flat();
+  if (usual && usual.name !== "1" && values.every((each) => typeof each === "number")) {
+    const texts = values.map((each) => `${Number((each / usual.size).toPrecision(12))} ${usual.name}`);
+    if (texts.every((text, i) => toSi(registry, name, text, unit) === values[i])) return texts.join(", ");
+  }
+  return values.map((each) => typeof each === "number" && unit && unit !== "1" ? `${each} ${unit}` : `${each}`).join(", ");
+}
+
+/**
+ * Return values in SI units as the texts of options.
+ * @param {any} registry
+ * @param {Record<string, any>} values
+ * @returns {Record<string, string>}
+ */
+export function textsOf(registry, values) {
+  return Object.fromEntries(Object.entries(values).map(([name, value]) => [name, textOf(registry, name, value)]));
 }
 
 /**
@@ -154,7 +170,7 @@ export function textIn(registry, own, resolved, name) {
     return Number.isFinite(ratio) ? String(ratio) : null;
   }
   const value = resolved[name] ?? registry.options[name].default;
-  return value === undefined || value === null ? null : textOf(registry.options[name], value);
+  return value === undefined || value === null ? null : textOf(registry, name, value);
 }
 
 /**
@@ -170,16 +186,8 @@ export function textIn(registry, own, resolved, name) {
 export function heldOptions(registry, own, resolved, before, { system, drive }) {
   // Where balls begin to touch, a start near the bottom would have them overlap.
   const touching = registry.systems[system].contacts && !registry.systems[before.system]?.contacts;
-  /** @type {Record<string, string>} */
-  const result = {};
-  for (const name of [...optionsFor(registry, system, drive), "tolerance",
-    ...(touching ? ["duration"] : START)]) {
-    const value = resolved[name];
-    if (value === undefined || value === null) continue;
-    const option = registry.options[name];
-    const unit = option.units[0] ?? { name: option.unit, size: 1 };
-    result[name] = typeof value === "number" && unit.name !== "1"
-      ? `${short(value / unit.size, 12)} ${unit.name}`.trim() : textOf(option, value);
-  }
+  const names = [...optionsFor(registry, system, drive), "tolerance", ...(touching ? ["duration"] : START)];
+  const result = textsOf(registry, Object.fromEntries(names.map((name) => [name, resolved[name]])
+    .filter(([, value]) => value !== undefined && value !== null)));
   return { ...withoutAlternatives(registry, result, Object.keys(own)), ...own };
 }

@@ -6,8 +6,7 @@ import { specify } from "../model/case.js";
 import { el } from "../page/dom.js";
 import { followDrag } from "../player/drag.js";
 import { slackText } from "../player/hang.js";
-import { textOf } from "../page/option_texts.js";
-import { textsOf } from "../page/links.js";
+import { textOf, textsOf } from "../page/option_texts.js";
 import { before } from "../player/motion.js";
 import { FIRST } from "../page/state.js";
 import { t } from "../strings.js";
@@ -256,8 +255,7 @@ export class Hand {
     const { registry, store } = this.page;
     if (!this.toy) {
       // The value before made no toy; this one may.
-      const option = registry.options[name];
-      if (option) store.option(name, textOf(option, value));
+      if (registry.options[name]) store.option(name, textOf(registry, name, value));
       return;
     }
     // These are of the cosine.

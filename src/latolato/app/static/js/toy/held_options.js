@@ -1,8 +1,6 @@
 /** The parameters of a toy that a hand holds as options of the address. */
 
-const UNITS = /** @type {Record<string, string>} */ ({
-  drive_amplitude: "m", drive_frequency: "rad/s", damping: "kg m/s", restitution: "",
-});
+import { textOf } from "../page/option_texts.js";
 
 /**
  * Return the options of the address with the present controls, and without what belongs to other
@@ -25,11 +23,11 @@ export function withControls(registry, before, system, controls, changed) {
     for (const name of /** @type {any} */ (law).options)
       if (!kept.includes(name)) delete options[name];
   for (const [name, value] of Object.entries(controls)) {
-    const text = `${Number(value.toPrecision(8))} ${UNITS[name]}`.trim();
-    if (kept.includes(name) || known.includes(name)) options[name] = text;
+    const written = (/** @type {string} */ option) => textOf(registry, option, Number(value.toPrecision(8)));
+    if (kept.includes(name) || known.includes(name)) options[name] = written(name);
     // Two free balls have one each; they may differ until this control is touched.
     else if (name === changed)
-      for (const side of ["right", "left"]) options[`${side}_${name}`] = text;
+      for (const side of ["right", "left"]) options[`${side}_${name}`] = written(`${side}_${name}`);
   }
   return options;
 }
