@@ -1,13 +1,13 @@
 /** What can be chosen of a map: parameters, axes, observable, size, colours, what is drawn over. */
 
-import { el, refresh } from "../page/dom.js";
+import { el, refresh, tick } from "../page/dom.js";
 import { stopped } from "../page/refusals.js";
 import { localShort, plainSymbol } from "../page/unit_text.js";
 import { t } from "../strings.js";
 import { firstStride, nameOf, PAGE, spaced, turned, USUAL_SIZE } from "./address.js";
 import { variedBy } from "./choices.js";
 import { SCALES } from "./colours.js";
-import { choice, numberField, tick } from "../page/fields.js";
+import { choice, numberField } from "../page/fields.js";
 import { OverControls } from "./overcontrols.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */

@@ -1,10 +1,10 @@
 /** What can be drawn over a map, to be switched on and off: contour lines, theory, curves, trials. */
 
-import { el, refresh } from "../page/dom.js";
+import { el, refresh, tick } from "../page/dom.js";
 import { short } from "../page/unit_text.js";
 import { localList, t } from "../strings.js";
 import { axisLabel, sizeOf } from "./axes.js";
-import { choice, numberField, tick } from "../page/fields.js";
+import { choice, numberField } from "../page/fields.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */

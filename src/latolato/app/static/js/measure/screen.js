@@ -1,6 +1,7 @@
 /** The video with what was found drawn on it, frame by frame. */
 
-import { colour, el, fitCanvas } from "../page/dom.js";
+import { colour, el, fitCanvas, tick } from "../page/dom.js";
+import { followKeys } from "../page/keys.js";
 import { speedMenu } from "../player/clock.js";
 import { cross, outline } from "../player/canvas.js";
 import { DEGREE } from "../page/unit_text.js";
@@ -12,7 +13,6 @@ import { SIDES } from "./track.js";
 /** @typedef {{u: number, v: number}} FramePlace */
 
 const FASTEST = 2;
-const READ_EVERY = 100; // ms
 const TALLEST = 62; // vh
 /** How the circle of a flag is drawn, beside its colour. */
 /** @type {Record<string, number[]>} */
@@ -42,7 +42,6 @@ export class Screen {
     /** Where balls and ghosts were last drawn, in pixels of the canvas, and of which frame. */
     this.drawn = { frame: -1, balls: /** @type {{x: number, y: number}[]} */ ([]),
       ghosts: /** @type {{x: number, y: number}[]} */ ([]) };
-    this.readAt = 0;
     this.transport = this.makeTransport();
     this.flags = el("p", { class: "flags" });
     this.failed = el("p", { class: "error", role: "alert", hidden: true }, t("cannotPlay"));
@@ -51,7 +50,8 @@ export class Screen {
     this.clock.subscribe(() => this.move());
     this.video.addEventListener("loadeddata", () => this.draw());
     this.video.addEventListener("error", () => { this.failed.hidden = !this.video.currentSrc; });
-    this.root.addEventListener("keydown", (event) => this.key(event));
+    followKeys(this.root, { " ": { text: "keyPlay", act: () => this.clock.toggle() },
+      ",": { text: "keyBack", act: () => this.stepBy(-1) }, ".": { text: "keyOn", act: () => this.stepBy(1) } });
   }
 
   makeTransport() {
@@ -59,11 +59,12 @@ export class Screen {
       /** @type {number} */ by) => el("button", { type: "button", class: "plain",
       "aria-label": t(name), on: { click: () => this.stepBy(by) } }, sign);
     const check = (/** @type {string} */ name, /** @type {"isMarked" | "hasGhost"} */ what) => {
-      const box = el("input", { type: "checkbox", checked: true, on: { change: () => {
-        this[what] = box.checked;
+      const { root, box } = tick(t(name), (on) => {
+        this[what] = on;
         this.draw();
-      } } });
-      return el("label", { class: "check" }, box, t(name));
+      });
+      box.checked = true;
+      return root;
     };
     this.button = el("button", { type: "button", class: "play",
       on: { click: () => this.clock.toggle() } }, t("play"));
@@ -128,25 +129,12 @@ export class Screen {
     this.clock.go((this.clock.wanted ?? this.clock.index) + by);
   }
 
-  /** @param {KeyboardEvent} event */
-  key(event) {
-    const target = /** @type {HTMLElement} */ (event.target);
-    if (["INPUT", "SELECT", "BUTTON"].includes(target.tagName)) return;
-    if (event.key === " ") this.clock.toggle();
-    else if (event.key === ",") this.stepBy(-1);
-    else if (event.key === ".") this.stepBy(1);
-    else return;
-    event.preventDefault();
-  }
-
   move() {
     this.draw();
     const { clock } = this;
     const label = clock.playing ? t("pause") : t("play");
     if (this.button && this.button.textContent !== label) this.button.textContent = label;
-    const now = performance.now();
-    if (clock.playing && now - this.readAt < READ_EVERY) return;
-    this.readAt = now;
+    if (!clock.isRead) return;
     if (this.scrub) this.scrub.value = String(clock.index);
     if (this.timeText) this.timeText.textContent = t("frameText", {
       frame: this.frame + 1, count: this.frames, time: clock.time.toFixed(3) });

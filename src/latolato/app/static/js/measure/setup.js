@@ -1,8 +1,8 @@
 /** The description of a video or a table: scale, masses, camera, directions, how many balls. */
 
-import { el } from "../page/dom.js";
+import { el, tick } from "../page/dom.js";
 import { readQuantity } from "../page/entry.js";
-import { choice, tick } from "../page/fields.js";
+import { choice } from "../page/fields.js";
 import { Form } from "../page/form.js";
 import { leaveOut } from "../page/link_parts.js";
 import { short } from "../page/unit_text.js";

@@ -24,6 +24,18 @@ export function el(tag, attributes = {}, ...children) {
   return element;
 }
 
+/**
+ * Return a box to tick with its label.
+ * @param {string} label
+ * @param {(on: boolean) => void} change
+ */
+export function tick(label, change) {
+  const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
+  const text = el("span", {}, label);
+  const root = el("label", { class: "check" }, box, text);
+  return { root, box, text };
+}
+
 /** Colours that were read, by element and name. @type {WeakMap<Element, Map<string, string>>} */
 let colours = new WeakMap();
 // Listens before anything that draws; there is no theme where pages run without a window.

@@ -1,4 +1,4 @@
-/** Small fields: a number in one unit, a choice, a switch. */
+/** Small fields: a number in one unit, a choice. */
 
 import { el, freshId, refresh } from "./dom.js";
 import { Knob } from "./knob.js";
@@ -43,16 +43,4 @@ export function choice(label, change, { isBeside = false } = {}) {
     select.value = value;
   };
   return { root, select, show };
-}
-
-/**
- * Return a box to tick with its label.
- * @param {string} label
- * @param {(on: boolean) => void} change
- */
-export function tick(label, change) {
-  const box = el("input", { type: "checkbox", on: { change: () => change(box.checked) } });
-  const text = el("span", {}, label);
-  const root = el("label", { class: "check" }, box, text);
-  return { root, box, text };
 }

@@ -1,7 +1,7 @@
 /** A motion for those who hear it: its description, its clacks and tones, and its keys. */
 
 import { t } from "../strings.js";
-import { el, freshId } from "../page/dom.js";
+import { el, freshId, tick } from "../page/dom.js";
 import { keep, recall } from "../page/preferences.js";
 import { KeyList } from "../page/keys.js";
 import { sayOffline } from "../page/messages.js";
@@ -46,12 +46,14 @@ export class Accessibility {
     const choice = (/** @type {string} */ name, /** @type {string} */ title,
       /** @type {(on: boolean) => void} */ turn) => {
       const key = `latolato.${name}`;
-      const box = el("input", { type: "checkbox", checked: recall(key) === "true", on: { change: () => {
-        keep(key, String(box.checked));
-        turn(box.checked);
-      } } });
+      const { root, box } = tick(t(name), (on) => {
+        keep(key, String(on));
+        turn(on);
+      });
+      box.checked = recall(key) === "true";
       turn(box.checked);
-      return el("label", { class: "check", title }, box, t(name));
+      root.title = title;
+      return root;
     };
     /** Stands on the stage. */
     this.toggle = choice("sound", t("soundHint"), (on) => void this.hear({ clacks: on }));

@@ -6,7 +6,7 @@ import { el, freshId } from "../page/dom.js";
 // After a pause of the browser, such as a background tab, the clock goes on where it was.
 const LONGEST_FRAME = 0.1; // s
 // While it plays, texts follow at this rate and all at once; pictures at every instant.
-export const READ_EVERY = 100; // ms
+const READ_EVERY = 100; // ms
 const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 5, 10, 20, 50, 100];
 
 export class Clock {

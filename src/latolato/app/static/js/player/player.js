@@ -2,7 +2,7 @@
 
 import { t } from "../strings.js";
 import { Clock, speedMenu } from "./clock.js";
-import { el } from "../page/dom.js";
+import { el, tick } from "../page/dom.js";
 import { sayOffline } from "../page/messages.js";
 import { slackText } from "./hang.js";
 import { followKeys } from "../page/keys.js";
@@ -80,12 +80,13 @@ export class Player {
   }
 
   makeArrowsSwitch() {
-    const box = el("input", { type: "checkbox", on: { change: async () => {
+    const { root, box } = tick(t("arrows"), async () => {
       const arrows = await import("./arrows.js").catch(sayOffline);
       box.checked &&= arrows !== undefined;
       this.scene.showArrows(box.checked && arrows ? arrows : null);
-    } } });
-    return el("label", { class: "check", title: t("arrowsHint") }, box, t("arrows"));
+    });
+    root.title = t("arrowsHint");
+    return root;
   }
 
   makeTransport() {
@@ -93,9 +94,10 @@ export class Player {
       t("play"));
     this.timeText = el("output", { class: "time" });
     const speed = speedMenu(FASTEST, (chosen) => { this.clock.speed = chosen; });
-    this.loop = el("input", { type: "checkbox", checked: true, on: { change: () => {
-      this.clock.looping = this.loop.checked;
-    } } });
+    const loop = tick(t("loop"), (on) => { this.clock.looping = on; });
+    loop.root.classList.add("of-run");
+    this.loop = loop.box;
+    this.loop.checked = true;
     return el("div", { class: "transport row" }, this.button,
       el("button", { type: "button", class: "plain step", "aria-label": t("stepBack"),
         on: { click: () => this.stepBy(-1) } }, "◂"),
@@ -103,7 +105,7 @@ export class Player {
         on: { click: () => this.stepBy(1) } }, "▸"),
       this.timeText, this.timeline.toggles,
       el("span", { class: "check" }, ...speed),
-      el("label", { class: "check of-run" }, this.loop, t("loop")));
+      loop.root);
   }
 
   /** Fill the drawer of further curves when it is first opened. */
