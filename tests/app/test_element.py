@@ -10,7 +10,6 @@ import pytest
 
 from latolato.app.forms import registry
 from latolato.app.run_request import RunRequest, options_of
-from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from latolato.scenario.options import law_options
 
@@ -18,9 +17,6 @@ POLICY = (
     "default-src 'none'; script-src 'self' 'wasm-unsafe-eval'; worker-src 'self'; "
     "connect-src 'self'; img-src 'self'"
 )
-MINE = """<!doctype html><title>mine</title><link rel="icon" href="icon.svg">
-<script type="module" src="latolato-player.js"></script>
-"""
 # Options of the drive that pages do not have.
 MEASURED = ["pivot_heights", "height_sigma", "pivot_across", "across_sigma"]
 # Set the attributes of an element, a new one if it has none, and say what comes of them.
@@ -51,13 +47,10 @@ class Strict(SimpleHTTPRequestHandler):
 
 
 @pytest.fixture(scope="module")
-def address(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("site")
-    write_site(folder)
-    (folder / "mine.html").write_text(MINE)
-    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Strict, directory=folder))
+def address(site):
+    server = ThreadingHTTPServer(("127.0.0.1", 0), partial(Strict, directory=site))
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    yield f"http://127.0.0.1:{server.server_port}/mine.html"
+    yield f"http://127.0.0.1:{server.server_port}/"
     server.shutdown()
     server.server_close()
 
@@ -69,7 +62,8 @@ def visit(browser, address):
     faults: list[str] = []
     page.on("pageerror", lambda error: faults.append(str(error)))
     page.on("console", lambda m: faults.append(m.text) if m.type == "error" else None)
-    page.goto(address)
+    page.goto(f"{address}manifest.json")
+    page.add_script_tag(url=f"{address}latolato-player.js", type="module")
     page.wait_for_function("() => customElements.get('latolato-player')")
     yield page
     page.close()

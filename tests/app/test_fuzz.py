@@ -19,16 +19,13 @@ from hypothesis import strategies as st
 import latolato as ll
 from in_node import NODE
 from latolato.app.forms import registry
-from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from trial_texts import parse_trials
 
 
 @pytest.fixture(scope="module")
-def page(tmp_path_factory):
+def page(site):
     """A function that sends one input to the pages' modules and returns what they made of it."""
-    site = tmp_path_factory.mktemp("site")
-    write_site(site)
     command = [NODE, Path(__file__).with_name("fuzz_in_node.mjs"), site]
     with subprocess.Popen(
         command, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True

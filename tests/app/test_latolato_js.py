@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import warnings
-from pathlib import Path
 
 import pytest
 
 from latolato.app.forms import registry
-from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from same_runs import check_same, in_python
-from site_in_node import answers_in_node
 
 PENDULUM = {"system": "pendulum", "length": 1, "mass": 1, "initial_angle": 0.1, "duration": 2}
 TOY = {
@@ -148,14 +145,7 @@ PRESETS = list(registry()["scenarios"])
 
 
 @pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("site")
-    write_site(folder)
-    return folder
-
-
-@pytest.fixture(scope="module")
-def answers(site, tmp_path_factory):
+def answers(ask_node):
     """What JavaScript answers to all requests of this file; Node.js is started once."""
     requests = [
         *({"scenario": None, "options": options} for options in RUNS + WRONG),
@@ -164,9 +154,7 @@ def answers(site, tmp_path_factory):
         {"scenario": "fig04a_clamp", "options": {"contact": "exact"}},
         {"scenario": "fig12", "options": {"length": 0.3}},
     ]
-    program = Path(__file__).with_name("latolato_in_node.mjs")
-    read = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
-    pairs = zip(requests, read, strict=True)
+    pairs = zip(requests, ask_node("latolato_in_node.mjs", requests), strict=True)
     return [(each["scenario"], each["options"], answer) for each, answer in pairs]
 
 

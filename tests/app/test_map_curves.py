@@ -13,7 +13,6 @@ from latolato.analysis import floquet
 from latolato.app import CURVES
 from latolato.app.forms import registry
 from latolato.app.map import files, stored
-from latolato.app.site import write_site
 from latolato.core.errors import InputError
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.io.analysis_tables import read_curves
@@ -256,7 +255,6 @@ def test_a_stored_map_tells_the_laws_that_curves_must_share(tmp_path):
     assert about["laws"] == {name: fold.attrs[name] for name in about["laws"]}
 
 
-def test_a_site_keeps_shipped_curves_for_reading_without_a_network(tmp_path):
-    write_site(tmp_path / "site")
-    assert (tmp_path / "site/curves/fig11.csv").read_text(encoding="utf-8") == SHIPPED
-    assert '"curves/fig11.csv"' in (tmp_path / "site/files.js").read_text(encoding="utf-8")
+def test_a_site_keeps_shipped_curves_for_reading_without_a_network(site):
+    assert (site / "curves/fig11.csv").read_text(encoding="utf-8") == SHIPPED
+    assert '"curves/fig11.csv"' in (site / "files.js").read_text(encoding="utf-8")

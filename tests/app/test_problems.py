@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 import warnings
 from collections.abc import Mapping
-from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
@@ -13,11 +12,9 @@ import pytest
 
 import latolato as ll
 from latolato.app.run_request import RunRequest
-from latolato.app.site import write_site
 from latolato.physics.problems import PROBLEMS
 from map_in_node import views_in_node
 from same_runs import in_python
-from site_in_node import answers_in_node
 
 TOY = {
     "system": "latolato", "length": 1, "mass": 1, "radius": 0.1, "initial_angle": 0.5,
@@ -100,14 +97,10 @@ def page_request(case: Case) -> dict[str, Any]:
 
 
 @pytest.fixture(scope="module")
-def runs(tmp_path_factory):
+def runs(ask_node):
     """Refusals by the pages' model, one for each run."""
-    site = tmp_path_factory.mktemp("site")
-    write_site(site)
     requests = [{"scenario": None, "options": c.options | c.change} for c in CASES.values()]
-    program = Path(__file__).with_name("latolato_in_node.mjs")
-    answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
-    return dict(zip(CASES, answers, strict=True))
+    return dict(zip(CASES, ask_node("latolato_in_node.mjs", requests), strict=True))
 
 
 @pytest.fixture(scope="module")

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import math
-from pathlib import Path
 
 import pytest
 
-from latolato.app import STATIC
 from latolato.app.experiment.description import fields
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
 from latolato.scenario.units import to_si
-from site_in_node import answers_in_node
 
 TEXTS = [
     ("250 um", "m"), ("250 µm", "m"), ("100 grams", "kg"), ("20 degrees", "rad"),
@@ -55,7 +52,7 @@ def units():
 
 
 @pytest.fixture(scope="module")
-def answers(units, tmp_path_factory):
+def answers(units, ask_node):
     """What pages read, of `TEXTS` and then of every unit; Node.js is started once."""
     requests = {
         "registry": registry(),
@@ -63,8 +60,7 @@ def answers(units, tmp_path_factory):
         "units": units,
         "controls": CONTROLS,
     }
-    program = Path(__file__).with_name("quantities_in_node.mjs")
-    return answers_in_node(program, STATIC, requests, tmp_path_factory.mktemp("node"))
+    return ask_node("quantities_in_node.mjs", requests)
 
 
 def _in_python(text, unit):

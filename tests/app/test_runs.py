@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import shlex
 import tomllib
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,14 +11,12 @@ import pytest
 import latolato as ll
 from latolato.app.run_request import RunRequest, options_of
 from latolato.app.runs import balls_of, compute, strobes_of
-from latolato.app.site import write_site
 from latolato.numerics import records
 from latolato.numerics.run_record import as_objects
 from latolato.physics.drives import Chirp, FixedPivot, FrequencySchedule, Harmonic
 from latolato.scenario.scenario import Scenario, scenarios
 from latolato.simulation.start import checked_contact
 from page_blocks import unpack
-from site_in_node import answers_in_node
 
 RUNS = [name for name, scenario in scenarios().items() if not scenario.varied]
 SHORT = {"duration": "5 s"}
@@ -45,14 +42,10 @@ REQUESTS = {name: (name, SHORT) for name in RUNS} | {
 
 
 @pytest.fixture(scope="module")
-def of_pages(tmp_path_factory):
+def of_pages(ask_node):
     """What pages say of every scenario, and write of it; Node.js is started once."""
-    site = tmp_path_factory.mktemp("site")
-    write_site(site)
     requests = [{"scenario": name, "options": options} for name, options in REQUESTS.values()]
-    program = Path(__file__).with_name("runs_in_node.mjs")
-    answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
-    return dict(zip(REQUESTS, answers, strict=True))
+    return dict(zip(REQUESTS, ask_node("runs_in_node.mjs", requests), strict=True))
 
 
 @pytest.mark.parametrize("name", REQUESTS)

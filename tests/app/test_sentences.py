@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 import pytest
 from scipy.signal import find_peaks
 
 import latolato as ll
-from latolato.app.site import write_site
-from site_in_node import answers_in_node
 
 # In real time and, as in slow motion, swing by swing. The chaotic run is Python's up to 15 s: later
 # rounding decides.
@@ -34,13 +31,10 @@ ROUNDING = {"abs": 0.51, "rel": 0.06}
 
 
 @pytest.fixture(scope="module")
-def told(tmp_path_factory):
+def told(ask_node):
     """What is said of each run; Node.js is started once."""
-    site = tmp_path_factory.mktemp("site")
-    write_site(site)
     requests = [{"scenario": name, "end": end, "step": step} for name, end, step in RUNS]
-    program = Path(__file__).with_name("sentences_in_node.mjs")
-    answers = answers_in_node(program, site, requests, tmp_path_factory.mktemp("node"))
+    answers = ask_node("sentences_in_node.mjs", requests)
     return {run[::2]: answer for run, answer in zip(RUNS, answers, strict=True)}
 
 

@@ -23,7 +23,6 @@ from latolato.app import STATIC, stories
 from latolato.app.run_request import RunRequest
 from latolato.app.site import write_site
 from latolato.core.errors import InputError
-from site_in_node import answers_in_node
 
 HOW_TO = Path(__file__).parents[2] / "docs" / "how-to" / "stories.md"
 FILES = {path.stem: stories.read(path) for path in stories.FOLDER.glob("*.toml")}
@@ -141,20 +140,6 @@ def number_of(name, step, tried=False):
     return number(shown["quantity"], preset, **options)
 
 
-@pytest.fixture(scope="module")
-def site(tmp_path_factory):
-    folder = tmp_path_factory.mktemp("site")
-    write_site(folder)
-    return folder
-
-
-def in_node(site, tmp_path, *, numbers=(), scores=()):
-    """What pages say of numbers and scores."""
-    program = Path(__file__).with_name("stories_in_node.mjs")
-    questions = {"numbers": numbers, "scores": scores}
-    return answers_in_node(program, site, questions, tmp_path)
-
-
 # Files.
 
 
@@ -267,7 +252,7 @@ def test_the_documentation_names_every_entry_quantity_and_rule():
 # Numbers.
 
 
-def test_pages_and_python_compute_the_same_numbers(site, tmp_path):
+def test_pages_and_python_compute_the_same_numbers(ask_node):
     asked, expected = [], []
     for name, step in STEPS:
         look = FILES[name]["steps"][step - 1]["look"]
@@ -283,19 +268,19 @@ def test_pages_and_python_compute_the_same_numbers(site, tmp_path):
     expected.append(number("time_to_angle", "fig12", 45 * DEGREE))
     asked.append({"look": {"view": "toy", "preset": "toy"}, "options": {}, "name": "contacts"})
     expected.append(number("contacts", "toy"))
-    found = in_node(site, tmp_path, numbers=asked)["numbers"]
+    found = ask_node("stories_in_node.mjs", {"numbers": asked, "scores": []})["numbers"]
     found = [math.nan if each is None else each for each in found]
     # Nine seconds of chaos amplify the last digit of two builds of the same code.
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-9)
 
 
 @pytest.mark.parametrize("name", CHALLENGES)
-def test_a_challenge_can_be_solved_and_pages_give_its_score(name, site, tmp_path):
+def test_a_challenge_can_be_solved_and_pages_give_its_score(name, ask_node):
     challenge, options = FILES[name], SOLUTIONS[name]
     score = story_numbers.score(challenge, options)
     assert score.beats_par
     asked = {"challenge": challenge, "options": options}
-    [found] = in_node(site, tmp_path, scores=[asked])["scores"]
+    [found] = ask_node("stories_in_node.mjs", {"numbers": [], "scores": [asked]})["scores"]
     assert found == pytest.approx(score.value, rel=1e-6)  # times lie between samples
 
 

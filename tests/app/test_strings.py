@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import json
 import re
-from pathlib import Path
 
 import pytest
 
 from app_pages import enter, open_view
 from latolato.app.site import write_site
-from site_in_node import answers_in_node
 
 LOOP = (
     "&system=pendulum&length=0.5 m&mass=0.2 kg&initial_angle=20 deg"
@@ -101,16 +99,15 @@ def test_a_map_of_strings_has_a_field_for_the_distance(page):
     assert page.evaluate("() => Math.min(...window.latolato.views.map.grid.values[0])") > 0.0
 
 
-def test_cells_of_notebooks_leave_strings_to_python(tmp_path):
+def test_cells_of_notebooks_leave_strings_to_python(ask_node, tmp_path):
     write_site(tmp_path / "site")
     path = tmp_path / "site" / "registry.json"
     path.write_text(json.dumps({**json.loads(path.read_text()), "upright": True}))
-    program = Path(__file__).with_name("latolato_in_node.mjs")
     requests = [
         {"scenario": "toy", "options": options}
         for options in ({"duration": "1 s"}, {"suspension": "string"}, {"drag_frame": "lab"})
     ]
-    rod, *others = answers_in_node(program, tmp_path / "site", requests, tmp_path)
+    rod, *others = ask_node("latolato_in_node.mjs", requests, tmp_path / "site")
     assert rod["status"] == "complete"
     assert [(each["error"], each["parameter"]) for each in others] == [
         (
