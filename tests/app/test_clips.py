@@ -16,7 +16,6 @@ import pytest
 import latolato as ll
 from app_server import start_server, stop_server
 from clip_pages import end_of, english, one_line, opened
-from latolato.app.experiment.description import described
 from latolato.app.experiment.jobs import compute
 from latolato.app.experiment.work import WORK
 from latolato.core.errors import InputError
@@ -351,27 +350,6 @@ def test_a_page_that_is_not_connected_has_no_place_for_clips(page):
 def test_a_page_that_is_not_served_any_more_is_no_fault(page):
     page.socket.send_bytes(b"\x00\x01")  # nothing but its end matters
     assert page.upload(b"x").status_code == 200
-
-
-@pytest.mark.parametrize(
-    "description, message",
-    [
-        ([], "must be an object"),
-        ({"lenght": "1 m"}, "unknown name 'lenght'"),
-        ({"length": "36 parsec"}, "length"),
-        ({"length": "3 kg"}, "length"),
-        ({"length": "-1 cm"}, "length must lie in (0"),
-        ({"length": "nan m"}, "length"),
-        ({"mass": [1]}, "mass must be a text or a number"),
-        ({"pivot": [1]}, "pivot must be a column and a row"),
-        ({"pivot": "12"}, "pivot must be a column and a row"),
-        ({"balls": [[1, 2]] * 3}, "one place or two"),
-        ({"balls": [[1, float("inf")]]}, "balls must be a column and a row"),
-    ],
-)
-def test_the_description_of_a_video_is_checked(description, message):
-    with pytest.raises(InputError, match=re.escape(message)):
-        described(description)
 
 
 def test_a_server_that_is_stopped_removes_its_clips_and_ends_their_work(tmp_path, monkeypatch):

@@ -12,7 +12,6 @@ from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 
-# How long work on a video may take [ms].
 BALL = ll.Pendulum(length=0.363, mass=0.10804, damping=0.01)
 
 

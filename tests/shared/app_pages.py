@@ -32,7 +32,7 @@ _ARGUMENTS = (
     "--disable-sync",
 )
 # How long a page may take to show its first run, map or result [ms].
-PATIENCE = 240_000
+PATIENCE = 120_000
 # What the address says of a view or of a toy in a hand, and what marks that it shows something.
 ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
 READY = {"toy": "[data-runs]", "held": "[data-ready]", "map": "[data-done]"}
