@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+from functools import cache
 
 import numpy as np
 import pytest
@@ -10,10 +10,10 @@ import xarray as xr
 from starlette.testclient import TestClient
 
 import latolato as ll
+from latolato.app.downloads import TYPES
 from latolato.app.map import files, stored
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
-from page_blocks import unpack
 
 HOME = "http://127.0.0.1:8000"
 AXES = {"drive_amplitude": [0.05, 0.25, 0.45], "frequency_ratio": [0.5, 1.5, 2.5, 3.5]}
@@ -36,28 +36,12 @@ ASKED = {"observable": "mean_energy", "kind": "nc"}
 TRIALS = "drive_amplitude,frequency_ratio,class\n100 mm,2,strong\n200 mm,3,none\n"
 
 
+@cache
 def wanted():
     """Return the sweep of the map above."""
     toy = ll.LatoLato(length=1.0, mass=0.8, radius=0.1, restitution=1.0)
     drive = ll.Harmonic(drive_amplitude=0.25, drive_frequency=7.0)
     return ll.sweep(toy, drive, axes=AXES, duration=5.0, initial_offset=0.05)
-
-
-def asked(path, request, known=None):
-    """Return all that a job says, and the block that it ends with."""
-    with (
-        TestClient(make_app(Settings(stored=known or {})), base_url=HOME) as client,
-        client.websocket_connect(f"ws://127.0.0.1:8000{path}", headers={"origin": HOME}) as socket,
-    ):
-        socket.send_text(json.dumps(request))
-        told = []
-        while True:
-            message = socket.receive()
-            if message.get("bytes") is not None:
-                return told, unpack(message["bytes"])
-            told.append(json.loads(message["text"]))
-            if "error" in told[-1]:
-                return told, None
 
 
 def made(request, folder, known=None):
@@ -73,16 +57,6 @@ def cells_of(path, **request):
     return stored.compute({"path": path, **request}, path.parent, print)
 
 
-def test_a_file_of_a_map_is_computed_in_a_job_with_progress(tmp_path):
-    told, (about, arrays) = asked("/ws/map/file", {**ASKED, **OWN})
-    assert any("progress" in each or each["state"] == "working" for each in told)
-    assert about["missing"] == 0
-    (tmp_path / "map.nc").write_bytes(arrays["file"].tobytes())
-    xr.testing.assert_identical(
-        ll.load(tmp_path / "map.nc").load().drop_attrs(), wanted().drop_attrs()
-    )
-
-
 @pytest.mark.parametrize("kind", ["csv", "nc"])
 def test_a_file_of_a_map_holds_its_numbers_and_opens_again(kind, tmp_path):
     about, content = made({**OWN, "kind": kind}, tmp_path / "work")
@@ -91,7 +65,7 @@ def test_a_file_of_a_map_holds_its_numbers_and_opens_again(kind, tmp_path):
     grid = ll.load(path)
     xr.testing.assert_identical(grid.load().drop_attrs(), wanted().drop_attrs())
     assert grid.attrs["plan_hash"] == wanted().attrs["plan_hash"]
-    assert about["type"] == files.TYPES[kind]
+    assert about["type"] == TYPES[kind]
     # The application opens it as well, with the same cells.
     _, arrays = cells_of(path, observable="mean_energy")
     np.testing.assert_array_equal(arrays["values"], wanted().mean_energy.values.ravel())
@@ -119,18 +93,13 @@ def test_a_picture_of_a_map_has_axes_colour_bar_curves_and_contours(tmp_path):
         ({"stored": "none"}, "there is no stored map 'none'"),
         ({"sweep": {**OWN["sweep"], "axes": {"length": [1.0], "mass": [1.0, -1.0]}}}, r"mass\[1\]"),
         ({"options": {**OWN["options"], "length": "3 s"}}, "length must be given in m"),
+        ({"kind": "svg", "overlays": ["tongues"]}, "unknown overlay"),
     ],
 )  # fmt: skip
 def test_a_bad_file_of_a_map_is_refused_with_one_line(changed, words, tmp_path):
     with pytest.raises(InputError, match=words) as caught:
         made({**OWN, **changed}, tmp_path)
     assert "\n" not in str(caught.value)
-
-
-@pytest.mark.parametrize("overlay", ["tongues"])
-def test_an_unknown_overlay_is_refused(overlay, tmp_path):
-    with pytest.raises(InputError, match="unknown overlay"):
-        made({**OWN, "kind": "svg", "overlays": [overlay]}, tmp_path)
 
 
 @pytest.fixture(scope="module")
@@ -155,8 +124,8 @@ def test_a_stored_map_opens_by_its_name_only(maps, name):
     known = stored.named([folder / name])
     with TestClient(make_app(Settings(stored=known)), base_url=HOME) as client:
         assert client.get("/api/map/stored").json() == [name]
-    request = {"stored": name, "select": {"restitution": 1}}
-    _, (about, arrays) = asked("/ws/map/stored", request, known)
+    job = stored.prepare(known, {"stored": name, "select": {"restitution": 1}})
+    about, arrays = stored.compute(job.request, folder, print)
     wanted = grid.largest_angle.isel(restitution=1).values.ravel()
     np.testing.assert_array_equal(arrays["values"], wanted)
     assert about["stored"]["select"][0]["values"] == ["0.5", "0.9"]
@@ -240,7 +209,7 @@ def test_a_stored_map_can_be_downloaded(maps, kind, name, tmp_path):
 
 
 def test_a_file_of_an_unfinished_map_says_so(tmp_path):
-    grid = wanted()
+    grid = wanted().copy(deep=True)
     grid.status[0, :3] = "missing"
     grid.to_netcdf(tmp_path / "part.nc")
     known = stored.named([tmp_path / "part.nc"])

@@ -291,11 +291,6 @@ def test_a_challenge_does_not_begin_at_its_goal():
     assert math.isnan(weak.value)
 
 
-def test_a_missing_guess_is_named():
-    with pytest.raises(InputError, match="guess is missing; give "):
-        story_numbers.score(FILES["guess_tongue"], {})
-
-
 def test_what_a_challenge_does_not_leave_free_counts_not():
     challenge = FILES["least_amplitude"]
     cheat = {"drive_amplitude": "20 mm", "restitution": "1", "initial_angle": "170 deg"}
