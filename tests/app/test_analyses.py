@@ -280,16 +280,6 @@ def test_a_text_never_names_a_file(client, tmp_path, monkeypatch):
             AnalysisRequest.from_json(given).arguments()
 
 
-def test_a_page_that_goes_ends_the_computation(client):
-    given = {"analysis": "basins", "scenario": "fig02", "settings": {"transient_periods": "8000"}}
-    with client.websocket_connect(SOCKET) as socket:
-        socket.send_json(given)
-        while json.loads(socket.receive()["text"])["state"] == "waiting":
-            pass
-    # It would take minutes: the next one has a process all the same.
-    assert ask(client, CLOSED)[-2]["bytes"]
-
-
 def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_path):
     page.goto("/?view=analyse&scenario=fig02")
     page.get_by_role("heading", name="Choose an analysis").wait_for()

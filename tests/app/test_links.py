@@ -57,12 +57,6 @@ def test_one_sentence_names_all_parts(page):
     page.wait_for_function("() => location.search === '?view=toy'")
 
 
-def test_a_hand_leaves_out_what_is_unknown(page):
-    open_view(page, "&rampe=1 s&restitution=0.8", view="held")
-    page.locator(".message").get_by_text("“rampe=1 s”").wait_for()
-    assert page.locator(".toy").get_by_label("Bounciness e").input_value() == "0.8"
-
-
 def test_a_sweep_opens_in_map(page):
     page.goto("/?view=toy&scenario=fig05")
     page.wait_for_function("() => location.search.includes('map.scenario=fig05')")

@@ -252,6 +252,12 @@ def test_a_clack_flashes_where_the_balls_touch(page, scenario):
     page.wait_for_function("() => !window.latolato.views.toy.player.scene.flashes.flashes.length")
 
 
+def test_nothing_flashes_for_who_wants_little_motion(page):
+    page.emulate_media(reduced_motion="reduce")
+    open_play(page, "&scenario=toy")
+    assert of_scene(page, FLASH, 20)["flashes"] == []
+
+
 def test_a_pinned_run_is_not_cut_off_by_a_smaller_one(page):
     open_play(page, "&scenario=toy")
     page.get_by_role("button", name="Pin this run to compare").click()

@@ -363,28 +363,3 @@ def test_a_described_view_is_accessible_and_fits_the_screen_also_enlarged(page, 
             page.wait_for_timeout(200)
             assert serious_faults(page) == [], (width, scheme)
         assert page.evaluate("() => document.documentElement.scrollWidth") <= width
-
-
-def test_who_wants_little_motion_has_no_flash_and_no_motion_unasked(page):
-    page.emulate_media(reduced_motion="reduce")
-    open_view(page, TOY)
-    page.wait_for_timeout(300)
-    assert page.evaluate("() => window.latolato.views.toy.player.clock.time") == 0
-    flashes = page.evaluate(
-        """async () => {
-          const { scene, clock } = window.latolato.views.toy.player;
-          clock.seek(0.2);
-          clock.seek(0.3);
-          const context = scene.canvas.getContext("2d");
-          const dot = document.createElement("canvas").getContext("2d");
-          dot.fillStyle = scene.colours.flash;
-          dot.fillRect(0, 0, 1, 1);
-          const [r, g, b] = dot.getImageData(0, 0, 1, 1).data;
-          const { data } = context.getImageData(0, 0, scene.canvas.width, scene.canvas.height);
-          let count = 0;
-          for (let i = 0; i < data.length; i += 4)
-            if (Math.hypot(data[i] - r, data[i + 1] - g, data[i + 2] - b) < 20) count += 1;
-          return [scene.flashes.flashes.length, count];
-        }"""
-    )
-    assert flashes == [0, 0]
