@@ -10,7 +10,7 @@ import xarray as xr
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
-from app_pages import enter
+from app_pages import download, enter
 from app_server import frames_of
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
@@ -292,10 +292,7 @@ def test_an_analysis_is_chosen_from_the_list_and_its_result_is_shown(page, tmp_p
     wanted = asked.function(**asked.arguments())
     row = page.get_by_role("row", name="Lower edge of the tongue")
     assert row.inner_text().split()[-1] == f"{wanted.low:.6g}"
-    with page.expect_download() as caught:
-        page.get_by_role("button", name="NetCDF").click()
-    path = tmp_path / "result.nc"
-    caught.value.save_as(path)
+    path = download(page.get_by_role("button", name="NetCDF"), tmp_path)
     xr.testing.assert_equal(load(path), wanted)
     order = page.get_by_label("Order", exact=True)
     enter(order, "none")

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import open_view
+from app_pages import download, open_view
 from latolato.app.downloads import FPS, compute
 from latolato.app.run_request import RunRequest
 
@@ -74,10 +74,7 @@ def test_the_extra_that_animations_need_is_named(monkeypatch, tmp_path):
 def test_the_menu_stores_what_is_on_show(page, tmp_path):
     open_view(page, "&scenario=fig04a_push&duration=2 s&length=90 cm")
     page.get_by_text("Download", exact=True).click()
-    with page.expect_download() as caught:
-        page.get_by_role("button", name="NetCDF").click()
-    path = tmp_path / caught.value.suggested_filename
-    caught.value.save_as(path)
+    path = download(page.get_by_role("button", name="NetCDF"), tmp_path)
     assert path.name == "latolato_fig04a_push.nc"
     shown = page.evaluate(
         """() => { const m = window.latolato.views.toy.player.motion;
@@ -97,9 +94,6 @@ def test_an_animation_is_made_from_the_menu_or_cancelled(page, tmp_path):
     page.get_by_role("button", name="MP4").wait_for(state="visible")
     menu = page.locator(".downloads")
     menu.get_by_label("Speed").select_option("100")
-    with page.expect_download() as caught:
-        page.get_by_role("button", name="MP4").click()
-    path = tmp_path / "run.mp4"
-    caught.value.save_as(path)
+    path = download(page.get_by_role("button", name="MP4"), tmp_path)
     with av.open(str(path)) as file:
         assert sum(1 for _ in file.decode(video=0)) == 31

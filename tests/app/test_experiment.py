@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter
+from app_pages import download, enter
 from browser_checks import serious_faults
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -178,11 +178,8 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     }""")
     assert abs(cursor) <= 1.0
 
-    with page.expect_download() as download:
-        page.get_by_role("link", name="Table (CSV)").click()
-    assert download.value.suggested_filename == "swing.track.csv"
-    kept = tmp_path / "table.csv"
-    download.value.save_as(kept)
+    kept = download(page.get_by_role("link", name="Table (CSV)"), tmp_path)
+    assert kept.name == "swing.track.csv"
     table = read_table(kept)
     assert table.attrs["source"] == "swing.mp4"
     np.testing.assert_allclose(table["angle_1"], truth["angle_1"], atol=3e-3)

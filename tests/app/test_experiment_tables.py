@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter
+from app_pages import download, enter
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.app import STATIC
 from spreadsheets import workbook
@@ -170,9 +170,8 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     lines = page.locator(".clip-exports pre").all_inner_texts()
     assert "'time': 'Zeit [s]', 'angle_1': 'Ausschlag [deg]'" in lines[0]
     assert lines[1].startswith("latolato import Messung.csv --column 'time=Zeit [s]'")
-    with page.expect_download() as download:
-        page.get_by_role("link", name="Table (CSV)").click()
-    assert download.value.suggested_filename == "Messung.track.csv"
+    stored = download(page.get_by_role("link", name="Table (CSV)"), tmp_path)
+    assert stored.name == "Messung.track.csv"
     assert page.get_by_text("Video with overlay").count() == 0
     page.get_by_role("button", name="Open in Toy").click()
     page.wait_for_selector("[data-runs]")

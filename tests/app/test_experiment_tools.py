@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import latolato as ll
+from app_pages import download
 from latolato.app.experiment.description import apparatus_of, described
 from latolato.core.errors import InputError
 from latolato.experiment.overlay import places_of
@@ -50,13 +51,6 @@ def drag(page, name, place):
     )
 
 
-def table_of(page, path):
-    with page.expect_download() as download:
-        page.get_by_role("link", name="Table (CSV)").click()
-    download.value.save_as(path)
-    return read_table(path)
-
-
 def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, tmp_path):
     path, truth, balls = clip
     page.goto("/?view=measure")
@@ -87,7 +81,7 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
     page.get_by_role("button", name="Track", exact=True).click()
     state(page, "result")
 
-    table = table_of(page, tmp_path / "first.csv")
+    table = read_table(download(page.get_by_role("link", name="Table (CSV)"), tmp_path))
     assert table.frame.values.tolist() == list(range(20, 75))
     assert table.attrs["click_frame"] == 40
     assert table.attrs["scale_source"] == "stick"
@@ -108,7 +102,7 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
     state(page, "tracking")
     state(page, "result")
     page.get_by_text("by hand 1").wait_for()
-    corrected = table_of(page, tmp_path / "second.csv")
+    corrected = read_table(download(page.get_by_role("link", name="Table (CSV)"), tmp_path))
     assert np.flatnonzero(corrected.flag_1.values == "manual").tolist() == [30]
     assert abs(float(corrected.angle_1[30] - table.angle_1[30])) > 0.01
     assert page.get_by_role("button", name="Next doubtful frame").is_disabled()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-import latolato as ll
+from app_pages import stored_run
 from held_pages import open_held, wait_for_toy
 
 PLAYER = "window.latolato.views.toy.player"
@@ -20,16 +20,6 @@ def keep(page, *, key=None, seconds=0.5):
     page.wait_for_function(f"() => !{PLAYER}.clock.lead && {PLAYER}.motion")
 
 
-def stored(page, folder):
-    """Store the run on show from the menu, and read it."""
-    page.get_by_text("Download", exact=True).click()
-    for name, file in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
-        with page.expect_download() as caught:
-            page.get_by_role("button", name=name, exact=True).click()
-        caught.value.save_as(folder / file)
-    return ll.load(folder / "run.csv")
-
-
 def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
     open_held(page)
     keep(page, key="2", seconds=1)
@@ -40,7 +30,7 @@ def test_what_knobs_did_is_a_run_with_a_link(page, tmp_path):
     assert "toy.hand" not in page.url
     page.wait_for_selector("[data-runs]")
     end = page.evaluate(f"() => {PLAYER}.motion.end")
-    run = stored(page, tmp_path)
+    run = stored_run(page, tmp_path)
     assert run.attrs["drive"] == "staged_harmonic"
     assert float(run["time"][-1]) == pytest.approx(end)
     page.reload()
@@ -57,7 +47,7 @@ def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
     assert page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
     page.get_by_text("Energy and more curves").click()
     page.get_by_text("the hand", exact=True).wait_for()
-    run = stored(page, tmp_path)
+    run = stored_run(page, tmp_path)
     assert float(run["noise_work"][-1]) > 0
     # What would be another run is not offered.
     assert not page.get_by_role("button", name="Scenario", exact=False).is_visible()

@@ -8,7 +8,7 @@ import time
 import pytest
 
 import latolato as ll
-from app_pages import open_view
+from app_pages import open_view, stored_run
 from browser_checks import serious_faults
 from held_pages import of_toy, open_held, wait_for_toy
 
@@ -211,12 +211,7 @@ def test_what_is_kept_of_a_shaken_toy_has_the_motion_of_its_pivot(page, tmp_path
         "The pivot was shaken, so neither parameters nor a link can reproduce it"
     ).wait_for()
     page.wait_for_selector("[data-runs]")
-    page.get_by_text("Download", exact=True).click()
-    for button, name in (("CSV", "run.csv"), ("CSV of contacts", "run.contacts.csv")):
-        with page.expect_download() as caught:
-            page.get_by_role("button", name=button, exact=True).click()
-        caught.value.save_as(tmp_path / name)
-    run = ll.load(tmp_path / "run.csv")
+    run = stored_run(page, tmp_path)
     assert run.attrs["drive"] == "measured_pivot"
     assert "the pivot was shaken" in run.attrs["note"]
     height = run["pivot_height"]

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter, new_context, open_view
+from app_pages import download, enter, new_context, open_view
 from app_server import start_server, stop_server
 from browser_checks import serious_faults
 
@@ -303,11 +303,9 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     known = page.evaluate("() => window.latolato.views.map.grid.done")
     assert 500 < known < 4096
     page.get_by_text("Download", exact=True).click()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="CSV").click()
-    assert waiting.value.suggested_filename == "latolato_map_fig05_push.unfinished.csv"
-    waiting.value.save_as(tmp_path / "part.csv")
-    part = ll.load(tmp_path / "part.csv")
+    path = download(page.get_by_role("button", name="CSV"), tmp_path)
+    assert path.name == "latolato_map_fig05_push.unfinished.csv"
+    part = ll.load(path)
     assert int((part.status == "missing").sum()) == 4096 - known
     with next_map(page):
         page.get_by_role("button", name="Go on").click()
@@ -320,10 +318,7 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
         }"""
     )
     shown = np.array(shown).reshape(64, 64)
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="CSV").click()
-    waiting.value.save_as(tmp_path / "map.csv")
-    whole = ll.load(tmp_path / "map.csv")
+    whole = ll.load(download(page.get_by_role("button", name="CSV"), tmp_path))
     # Files hold degrees, whose last digit is rounded.
     np.testing.assert_allclose(whole.largest_angle.values, shown, rtol=1e-15)
     done = part.status.values != "missing"
@@ -348,22 +343,16 @@ def test_a_map_is_coarse_until_somebody_asks_for_all_points(page):
 def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_path):
     open_map(page, f"{QUERY}&map.contours=colours&map.levels=1".replace("size=24", "size=8"))
     page.get_by_text("Download", exact=True).click()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="NetCDF").click()
-    waiting.value.save_as(tmp_path / "map.nc")
+    path = download(page.get_by_role("button", name="NetCDF"), tmp_path)
     axes = {"drive_amplitude": np.linspace(0.0, 0.5, 8), "frequency_ratio": np.linspace(0, 5, 8)}
     wanted = ll.load_scenario("fig05_push").sweep(duration=20.0, axes=axes)
-    np.testing.assert_array_equal(ll.load(tmp_path / "map.nc").mean_energy, wanted.mean_energy)
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="SVG").click()
-    waiting.value.save_as(tmp_path / "map.svg")
-    assert "lift-off" in (tmp_path / "map.svg").read_text()
-    with page.expect_download() as waiting:
-        page.get_by_role("button", name="PNG of the screen").click()
-    waiting.value.save_as(tmp_path / "map.png")
+    np.testing.assert_array_equal(ll.load(path).mean_energy, wanted.mean_energy)
+    path = download(page.get_by_role("button", name="SVG"), tmp_path)
+    assert "lift-off" in path.read_text()
+    path = download(page.get_by_role("button", name="PNG of the screen"), tmp_path)
     import matplotlib.image
 
-    image = matplotlib.image.imread(tmp_path / "map.png")
+    image = matplotlib.image.imread(path)
     assert image.shape[0] > 300
     assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 20
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from PIL import Image
 
-from app_pages import enter, open_view
+from app_pages import download, enter, open_view
 
 # A system that can share, and what it was given.
 SHARES = """() => {
@@ -30,10 +30,8 @@ def open_menu(page, query="", view="toy"):
 @pytest.mark.parametrize("view", ["toy", "held", "map"])
 def test_the_picture_of_a_view_is_saved(page, view, tmp_path):
     open_menu(page, view=view)
-    with page.expect_download() as caught:
-        page.get_by_role("button", name="Save the picture").click()
-    caught.value.save_as(tmp_path / "stage.png")
-    with Image.open(tmp_path / "stage.png") as picture:
+    path = download(page.get_by_role("button", name="Save the picture"), tmp_path)
+    with Image.open(path) as picture:
         assert min(picture.size) > 200
         assert len(picture.convert("RGB").getcolors(1 << 24)) > 10
 

@@ -7,11 +7,13 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from functools import lru_cache
+from pathlib import Path
 from typing import Any
 from urllib.parse import urlsplit
 
 import pytest
 
+import latolato as ll
 from app_server import Server, start_server, stop_server
 
 # The first of them needs a quarter less of a processor than the others.
@@ -86,6 +88,26 @@ def enter(field: Any, text: str) -> None:
     """Type a text into a field, and take it."""
     field.fill(text)
     field.press("Enter")
+
+
+def download(button: Any, folder: Path) -> Path:
+    """Press a button or a link that stores a file, and return the file in a folder."""
+    with button.page.expect_download() as caught:
+        button.click()
+    path = folder / caught.value.suggested_filename
+    caught.value.save_as(path)
+    return path
+
+
+def stored_run(page: Any, folder: Path) -> Any:
+    """Store the run on show from the menu, and read it."""
+    page.get_by_text("Download", exact=True).click()
+    menu = page.locator(".downloads")
+    path, _ = (
+        download(menu.get_by_role("button", name=name, exact=True), folder)
+        for name in ("CSV", "CSV of contacts")
+    )
+    return ll.load(path)
 
 
 @dataclass
