@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from app_pages import enter, open_view
+from app_pages import READY, enter, open_view
 from held_pages import of_toy, open_held, wait_for_toy
 
 # Whether a ball has swung so far, in degrees.
@@ -345,8 +345,7 @@ def test_a_toy_that_is_let_go_is_the_run_of_the_address_again(page):
 @pytest.mark.parametrize("view", ["live", "play"])
 def test_addresses_of_older_versions_open_the_toy(page, view):
     page.goto(f"/?view={view}&scenario=fig12")
-    ready = {"live": "[data-ready]", "play": "[data-runs]"}[view]
-    page.wait_for_selector(ready, timeout=PATIENCE)
+    page.wait_for_selector(READY[{"live": "held", "play": "toy"}[view]])
     assert page.get_by_role("link", name="Toy").get_attribute("aria-current") == "page"
     assert page.locator(".message").count() == 0
 
