@@ -230,6 +230,24 @@ def test_a_pivot_that_moves_to_the_side_is_followed_or_warned_of(block, error, t
     assert is_warned == (block < 1.0)
 
 
+def test_an_oblique_drive_is_not_taken_for_a_vertical_one(tmp_path):
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.03, horizontal_amplitude=0.01, horizontal_phase=0.0,
+        drive_frequency=1.95 * SINGLE.natural_frequency,
+    )  # fmt: skip
+    run = ll.simulate(SINGLE, drive, duration=2.5, initial_angle=0.6)
+    path = tmp_path / "oblique.mp4"
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), Camera(**SMALL), seed=6)
+    np.testing.assert_allclose(np.ptp(truth.pivot_x.values), 0.02, rtol=0.01)
+    clicks = truth.attrs
+    pivot = clicks["pivot_pixel_u"], clicks["pivot_pixel_v"]
+    ball = clicks["ball_1_pixel_u"], clicks["ball_1_pixel_v"]
+    table = track(path, pivot=pivot, balls=[ball], length=SINGLE.length)
+    assert table.attrs["gravity_source"] == "swing"
+    assert np.sqrt(np.mean((table.angle_1 - truth.angle_1).values ** 2)) < 1e-3
+    np.testing.assert_allclose(np.ptp(table.pivot_x.values), 0.02, rtol=0.03)
+
+
 def test_gravity_is_found_although_one_turning_point_is_out_of_the_picture(tmp_path):
     camera = Camera(
         width=320, height=240, pixels_per_metre=450.0, pivot_u=60.0, pivot_v=40.0, roll=0.1

@@ -12,6 +12,8 @@ from latolato.experiment.calibration.swing import Motion, Swing, fit_swing
 
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 STROKE = 6.0
+# Standard deviations by which its axis is off gravity in an oblique drive.
+_OBLIQUE = 3.0
 # Lean from which a motion of the pivot is no drive [rad].
 _LEAN = math.radians(40.0)
 # Parts of the pivot's axis that are compared.
@@ -37,24 +39,23 @@ class Gravity:
 def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     """Return gravity's direction by the axis of a drive or by the swing, whichever is surer.
 
-    Angles of the motion are those from straight down in the picture.
+    Angles of the motion are those from straight down in the picture. A drive need not be vertical:
+    where the swing says otherwise, the axis does not count.
     """
-    axis = _drive_axis(motion.pivots * hinge.arm)
-    turn = axis.direction if axis else 0.0
-    if axis is not None:
-        up = np.array([-math.sin(turn), math.cos(turn)])
-        lift = motion.pivots @ up
-        motion = motion._replace(
-            angles=motion.angles - turn, pivots=np.column_stack([np.zeros_like(lift), lift])
-        )
-    swing = fit_swing(motion, is_driven=axis is not None)
-    found = [axis] if axis else []
-    if swing is not None and swing.direction_sigma < LEVELLED:
-        found.append(Gravity(turn + swing.direction, "swing", swing.direction_sigma, swing))
-    if not found:
-        return Gravity(0.0, "image", LEVELLED, swing)
-    best = min(found, key=lambda down: angle_offset_sigma(down, hinge))
+    axis, swing = _drive_axis(motion.pivots * hinge.arm), fit_swing(motion)
+    if swing is None or swing.direction_sigma > LEVELLED:
+        return replace(axis or Gravity(0.0, "image", LEVELLED), swing=swing)
+    down = Gravity(swing.direction, "swing", swing.direction_sigma, swing)
+    if axis is None or _is_oblique(axis, down):
+        return down
+    best = min(axis, down, key=lambda each: angle_offset_sigma(each, hinge))
     return replace(best, swing=swing)
+
+
+def _is_oblique(axis: Gravity, down: Gravity) -> bool:
+    """Return whether a drive is not vertical, by the direction that the swing gives."""
+    apart = math.remainder(axis.direction - down.direction, math.tau)
+    return abs(apart) > _OBLIQUE * math.hypot(axis.sigma, down.sigma)
 
 
 def is_upside_down(motion: Motion, hinge: Hinge) -> bool:

@@ -55,7 +55,7 @@ class Swing(NamedTuple):
     stiffness_sigma: float
 
 
-def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
+def fit_swing(motion: Motion) -> Swing | None:
     """Return what a swing shows of gravity, None if it is no swing of a pendulum.
 
     Notes
@@ -64,33 +64,28 @@ def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
     right and up, in arms, gravity's direction d, and drag c; each term is averaged with weights
     ``(1 - u^2)^2`` of the time u (the weak form of Messenger and Bortz, SIAM Multiscale Model.
     Simul. 19 (2021) 1474). Differences of slopes make the accelerations, so uneven time stamps do
-    no harm. A pivot that `is_driven` moves along d, by y. Windows are of one ball, or of the sum of
-    two, in which contacts cancel, and of each of them where it is free. It can miss a swing of
-    which no half is seen in one piece, and mistake a ball swung by hand for one that swings freely.
+    no harm. Windows are of one ball, or of the sum of two, in which contacts cancel, and of each of
+    them where it is free. It can miss a swing of which no half is seen in one piece, and mistake a
+    ball swung by hand for one that swings freely.
     """
     from scipy.optimize import least_squares
 
     rows = next(
-        (
-            each
-            for each in (windows(motion, width, is_driven=is_driven) for width in _WIDTHS)
-            if len(each) >= _FEWEST
-        ),
+        (each for each in (windows(motion, width) for width in _WIDTHS) if len(each) >= _FEWEST),
         None,
     )
     if rows is None:
         return None
-    _, bend, sine, cosine, speed, lift, aside, pull = rows.T
+    _, bend, sine, cosine, speed, pull = rows.T
 
     def rest(p: np.ndarray) -> np.ndarray:
         c, s = math.cos(p[0]), math.sin(p[0])
-        push = c * lift - s * aside
-        return np.asarray(bend + push + p[1] * (c * sine - s * cosine) + p[2] * speed)
+        return np.asarray(bend + p[1] * (c * sine - s * cosine) + p[2] * speed)
 
     # A hand may hold the ball for a while: of all windows and each half, what explains most begins.
     half, starts = len(rows) // 2, []
     for part in (slice(None), slice(half), slice(half, None)):
-        a, b, drag = np.linalg.lstsq(-rows[part, 2:5], (bend + lift)[part], rcond=None)[0]
+        a, b, drag = np.linalg.lstsq(-rows[part, 2:5], bend[part], rcond=None)[0]
         turn = math.atan2(-b, max(a, 1e-3 * abs(b)))
         starts.append(np.array([turn, math.hypot(a, b), drag]))
     known = min(starts, key=lambda p: float(np.median(np.abs(rest(p)))))
@@ -115,12 +110,12 @@ def fit_swing(motion: Motion, *, is_driven: bool = False) -> Swing | None:
     return Swing(float(direction), float(sigmas[0]), float(stiffness), unsure)
 
 
-def windows(motion: Motion, width: float, *, is_driven: bool = False) -> np.ndarray:
-    """Return the terms of the equation in windows in order of time, shape (window, 8).
+def windows(motion: Motion, width: float) -> np.ndarray:
+    """Return the terms of the equation in windows in order of time, shape (window, 6).
 
-    They are the time of its middle, the angular acceleration, sine and cosine of the angle, the
-    speed, the acceleration of a driven pivot times sine and cosine, and the size of the sine. Half
-    a window is as long as the phase of the fastest swing needs to grow by a `width`.
+    They are the time of its middle, the angular acceleration with what the pivot's adds to it, sine
+    and cosine of the angle, the speed, and the size of the sine. Half a window is as long as the
+    phase of the fastest swing needs to grow by a `width`.
     """
     times, angles, unit = motion.times, motion.angles, _unit(motion)
     steps = np.diff(times)
@@ -128,18 +123,14 @@ def windows(motion: Motion, width: float, *, is_driven: bool = False) -> np.ndar
     spans = 0.5 * (steps[1:] + steps[:-1])[:, None]
     sine, cosine = np.sin(angles[1:-1]), np.cos(angles[1:-1])
     bend = np.diff(np.diff(angles, axis=0) / steps[:, None], axis=0)
+    bend += pushes[:, 1:] * sine + pushes[:, :1] * cosine
     speed = 0.5 * (angles[2:] - angles[:-2])
-    lift, aside = pushes[:, 1:] * sine, pushes[:, 1:] * cosine
-    if not is_driven:
-        bend, lift, aside = bend + lift + pushes[:, :1] * cosine, 0.0 * lift, 0.0 * aside
-    terms = np.stack(
-        [bend, spans * sine, spans * cosine, speed, lift, aside, spans * np.abs(sine)], axis=-1
-    )
+    terms = np.stack([bend, spans * sine, spans * cosine, speed, spans * np.abs(sine)], axis=-1)
     is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
     known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
     free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
     if unit == 0.0:
-        return np.empty((0, 8))
+        return np.empty((0, 6))
     inner = times[1:-1]
     parts = [_averages(inner, terms.sum(axis=1), known.all(axis=1), width * unit)]
     if angles.shape[1] == 2:
