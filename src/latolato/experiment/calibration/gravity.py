@@ -12,8 +12,9 @@ from latolato.experiment.calibration.swing import Motion, Swing, fit_swing
 
 # Stroke of the pivot from which its axis is taken as vertical [pixels].
 STROKE = 6.0
-# Standard deviations by which its axis is off gravity in an oblique drive.
-_OBLIQUE = 3.0
+# By how many deviations axis and swing may differ for both to be right, and from which on the drive
+# is oblique: a ball's pattern that turns over the top draws the swing aside by half a dozen.
+_APART, _OBLIQUE = 3.0, 10.0
 # Lean from which a motion of the pivot is no drive [rad].
 _LEAN = math.radians(40.0)
 # Parts of the pivot's axis that are compared.
@@ -40,22 +41,19 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     """Return gravity's direction by the axis of a drive or by the swing, whichever is surer.
 
     Angles of the motion are those from straight down in the picture. A drive need not be vertical:
-    where the swing says otherwise, the axis does not count.
+    where the swing clearly says otherwise, its axis does not count.
     """
     axis, swing = _drive_axis(motion.pivots * hinge.arm), fit_swing(motion)
     if swing is None or swing.direction_sigma > LEVELLED:
         return replace(axis or Gravity(0.0, "image", LEVELLED), swing=swing)
     down = Gravity(swing.direction, "swing", swing.direction_sigma, swing)
-    if axis is None or _is_oblique(axis, down):
+    if axis is None:
+        return down
+    apart = abs(math.remainder(axis.direction - down.direction, math.tau))
+    if apart > _OBLIQUE * math.hypot(axis.sigma, down.sigma):
         return down
     best = min(axis, down, key=lambda each: angle_offset_sigma(each, hinge))
-    return replace(best, swing=swing)
-
-
-def _is_oblique(axis: Gravity, down: Gravity) -> bool:
-    """Return whether a drive is not vertical, by the direction that the swing gives."""
-    apart = math.remainder(axis.direction - down.direction, math.tau)
-    return abs(apart) > _OBLIQUE * math.hypot(axis.sigma, down.sigma)
+    return replace(best, sigma=max(best.sigma, apart / _APART), swing=swing)
 
 
 def is_upside_down(motion: Motion, hinge: Hinge) -> bool:
