@@ -228,7 +228,7 @@ def test_a_ball_that_is_nowhere_is_refused(tmp_path, capsys):
 
 def test_too_few_frames_are_refused(tmp_path, capsys):
     path = encoded(tmp_path / "short.mp4", GREY[:4])
-    assert "4 frames are too few: tracking needs at least 8" in refused(
+    assert "too few frames (4): tracking needs at least 8" in refused(
         capsys, tmp_path, path, *CLICKS
     )
 

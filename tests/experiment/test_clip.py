@@ -97,7 +97,7 @@ def test_a_ball_that_comes_later_is_pointed_at_where_it_is(swing, tmp_path):
         ({"start": 2.0, "end": 1.0}, r"end must lie after start \(2 s\), got 1"),
         ({"start": 9.0}, "start must lie before the end of the video at 2.48333 s, got 9"),
         ({"start": 1.001, "end": 1.002}, "no frame lies between start"),
-        ({"start": 1.0, "end": 1.1}, "7 frames are too few: tracking needs at least 8"),
+        ({"start": 1.0, "end": 1.1}, "too few frames .7.: tracking needs at least 8"),
         ({"click_frame": 150}, "the video has no frame 150"),
         ({"click_frame": -1}, "click_frame must lie in"),
     ],

@@ -444,7 +444,7 @@ RULES = {
     "frames_so_far": Rule("{count} frames are there"),
     "seconds_in_all": Rule("it is {seconds:.4g} s long"),
     "frames_in_all": Rule("it has {count} frames"),
-    "too_few_frames": Rule("{count} frames are too few: tracking needs at least {least}"),
+    "too_few_frames": Rule("too few frames ({count}): tracking needs at least {least}"),
     # why a video cannot be tracked: what the user pointed at and gave
     "half_stick": Rule("is missing: a stick needs both of its ends and its length"),
     "short_stick": Rule(
@@ -481,7 +481,7 @@ RULES = {
     ),
     # what is seen where the user pointed
     "small_disc": Rule(
-        "no ball with a rim was found at {place}: the disc there is {width} pixels wide",
+        "no ball with a rim was found at {place}",
         "point at the middle of the ball, or give its radius and length",
     ),
     "like_surroundings": Rule(

@@ -156,8 +156,7 @@ def learn_image_model(
         shots += own
         centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
     if size < _SMALLEST:
-        width = {"width": f"{2.0 * size:.1f}"}
-        raise broken("small_disc", {"place": place_text(balls[0]), **width})
+        raise broken("small_disc", {"place": place_text(balls[0])})
     arm = geometry.arm(centres)
     margin = arm + 2.5 * size + 6.0
     low = np.floor(pivots.min(axis=0) - margin).astype(int)
