@@ -12,6 +12,7 @@ from conditions import conditions
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.encode import write_video
+from latolato.experiment.quality import pivot_harmonic, pivot_text, sideways_harmonic
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import prepare, synthesise_video
 from latolato.experiment.track_table import read_table
@@ -289,6 +290,24 @@ def test_bad_options_are_refused_in_one_line_and_nothing_is_written(
     assert message in error
     assert error.count("\n") == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "up, aside, text",
+    [
+        (0.0, 0.02, "20 mm to each side at 8 rad/s (1.2732 Hz)"),
+        (0.03, 0.0, "30 mm at 8 rad/s (1.2732 Hz)"),
+        (0.0, 0.0, "rests"),
+    ],
+)
+def test_a_pivot_is_described_as_it_moves(up, aside, text):
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=up, horizontal_amplitude=aside, drive_frequency=8.0
+    )
+    swing = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), drive, initial_angle=0.3, duration=4.0)
+    table = prepare(swing, camera=Camera(width=64, height=64)).truth()
+    harmonics = pivot_harmonic(table), sideways_harmonic(table)
+    assert pivot_text(*harmonics, "metric") == text
 
 
 def test_what_is_no_run_is_refused(run, tmp_path):

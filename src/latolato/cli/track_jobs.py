@@ -217,7 +217,12 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
 def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
     from latolato.experiment.period import period_of_ball
-    from latolato.experiment.quality import flag_shares, pivot_harmonic, typical_sigma
+    from latolato.experiment.quality import (
+        flag_shares,
+        pivot_harmonic,
+        sideways_harmonic,
+        typical_sigma,
+    )
     from latolato.experiment.track_table import balls_of
 
     attrs = table.attrs
@@ -229,9 +234,12 @@ def summarise(table: Any) -> dict[str, Any]:
         "flags": flag_shares(table),
         "angle_sigma": typical_sigma(table),
     }
-    harmonic = pivot_harmonic(table)
-    numbers["drive_amplitude"] = harmonic and harmonic.amplitude
-    numbers["drive_frequency"] = harmonic and harmonic.frequency
+    for way, harmonic in (
+        ("drive", pivot_harmonic(table)),
+        ("sideways", sideways_harmonic(table)),
+    ):
+        numbers[f"{way}_amplitude"] = harmonic and harmonic.amplitude
+        numbers[f"{way}_frequency"] = harmonic and harmonic.frequency
     for name in (
         "slow_motion",
         "capture_rate",
@@ -261,7 +269,7 @@ def summarise(table: Any) -> dict[str, Any]:
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a summary as names and texts for reading."""
-    from latolato.experiment.quality import clock_text, unseen_pivot
+    from latolato.experiment.quality import Harmonic, clock_text, pivot_text, unseen_pivot
 
     if "is_proposed" in summary:
         places = summary["options"]
@@ -291,17 +299,14 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         lines[name] = "none: fewer than three swings were seen"
         if period is not None:
             lines[name] = f"{period:.6g} s, sigma {sigma:.2g} s"
-    if summary["drive_amplitude"] is not None:
-        from math import tau
-
-        unit = ("pixel", 1.0) if summary["geometry"] == "angles" else ("mm", 1e3)
-        rate = summary["drive_frequency"]
-        lines["pivot"] = (
-            f"{summary['drive_amplitude'] * unit[1]:.5g} {unit[0]} at {rate:.6g} rad/s "
-            f"({rate / tau:.5g} Hz)"
+    if summary["geometry"] != "unknown":
+        up, aside = (
+            Harmonic(summary[f"{way}_amplitude"], summary[f"{way}_frequency"])
+            if summary[f"{way}_amplitude"] is not None
+            else None
+            for way in ("drive", "sideways")
         )
-    elif summary["geometry"] != "unknown":
-        lines["pivot"] = unseen_pivot(summary) or "rests"
+        lines["pivot"] = unseen_pivot(summary) or pivot_text(up, aside, summary["geometry"])
     if "exposure" in summary:
         lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
     for k, text in enumerate(summary["warnings"]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +15,9 @@ from latolato.experiment.track_table import FLAGS, balls_of, has_own_pivots, tab
 if TYPE_CHECKING:
     import xarray as xr
 
-# Amplitude below which a pivot rests, as a multiple of what the fit leaves over.
-_MOVES = 1.0
+# Amplitude below which a pivot rests, as a multiple of what the fit leaves over, and as a share of
+# that in the other direction.
+_MOVES, _ASIDE = 1.0, 0.02
 # Fewest turns of the drive that make a frequency.
 _TURNS = 1.5
 # Samples beyond which not every frequency is compared with all of them.
@@ -91,30 +92,67 @@ def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
 
 def pivot_heights(table: xr.Dataset) -> np.ndarray:
     """Return how high the pivot is [m], or in pixels where there is no scale."""
-    if np.isfinite(table["pivot_y"].values).any():
-        return np.asarray(table["pivot_y"].values)
-    if "pivot_v" in table.variables:
-        rows = table["pivot_v"].values
-        return np.asarray(np.nanmean(rows) - rows)
-    return np.full(table.sizes["frame"], np.nan)
+    return _pivot_places(table, "y")
+
+
+def _pivot_places(table: xr.Dataset, axis: str) -> np.ndarray:
+    """Return the pivot's x, to the right, or y, upwards [m], in pixels where there is no scale."""
+    if np.isfinite(table[f"pivot_{axis}"].values).any():
+        return np.asarray(table[f"pivot_{axis}"].values)
+    column, sign = {"x": ("pivot_u", 1.0), "y": ("pivot_v", -1.0)}[axis]
+    if column not in table.variables:
+        return np.full(table.sizes["frame"], np.nan)
+    places = table[column].values
+    return np.asarray(sign * (places - np.nanmean(places)))
 
 
 @dataclass(frozen=True)
 class Harmonic:
     """The pivot's motion as one harmonic over the whole clip; `fit_drive` fits drives that change.
 
-    `amplitude` and `heights` (frame,) are in metres, in pixels without a scale, `frequency` is
+    `amplitude` and `places` (frame,) are in metres, in pixels without a scale, `frequency` is
     angular [rad/s].
     """
 
     amplitude: float
     frequency: float
-    heights: np.ndarray
+    places: np.ndarray = field(default_factory=lambda: np.empty(0))
 
 
 def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
-    """Return the pivot's harmonic, None for one at rest, unknown, or with less than two cycles."""
-    heights, times = pivot_heights(table), table["time"].values
+    """Return the harmonic of the pivot's height.
+
+    None if it does not move up and down, is unknown, or does so for less than two cycles.
+    """
+    return _harmonic(table, "y")
+
+
+def sideways_harmonic(table: xr.Dataset) -> Harmonic | None:
+    """Return the harmonic of the pivot's motion to the side, None as for `pivot_harmonic`.
+
+    A track bends a large motion up and down a little to the side: that is none.
+    """
+    up, aside = pivot_harmonic(table), _harmonic(table, "x")
+    is_bent = up is not None and aside is not None and aside.amplitude < _ASIDE * up.amplitude
+    return None if is_bent else aside
+
+
+def pivot_text(up: Harmonic | None, aside: Harmonic | None, geometry: str) -> str:
+    """Describe how a pivot in the picture moves up and down and to the side; see `Harmonic`."""
+    scale, unit = (1.0, "pixel") if geometry == "angles" else (1e3, "mm")
+    ways = [(up, " up and down" if aside else ""), (aside, " to each side")]
+    parts = [
+        f"{scale * each.amplitude:.5g} {unit}{way} at {each.frequency:.6g} rad/s "
+        f"({each.frequency / math.tau:.5g} Hz)"
+        for each, way in ways
+        if each
+    ]
+    return ", ".join(parts) or "rests"
+
+
+def _harmonic(table: xr.Dataset, axis: str) -> Harmonic | None:
+    """Return the harmonic of the pivot's motion along an axis, "x" or "y"."""
+    heights, times = _pivot_places(table, axis), table["time"].values
     ok = np.isfinite(heights)
     if ok.sum() < 16:
         return None

@@ -19,6 +19,8 @@ from latolato.experiment.quality import (
     flag_shares,
     pivot_harmonic,
     pivot_heights,
+    pivot_text,
+    sideways_harmonic,
     typical_sigma,
     unseen_pivot,
 )
@@ -226,7 +228,7 @@ def _pivot_figure(table: xr.Dataset) -> Figure:
     axes[0, 0].plot(times, heights, ".", ms=2, color=BLUE, label="measured")
     rest = heights
     if harmonic is not None:
-        wave, frequency = scale * harmonic.heights, harmonic.frequency
+        wave, frequency = scale * harmonic.places, harmonic.frequency
         axes[0, 0].plot(
             times,
             wave,
@@ -288,16 +290,11 @@ def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
     if "angle_offset_sigma" in attrs:
         common = 1e3 * attrs["angle_offset_sigma"]
         rows.append(("sigma of what all angles have in common", f"{common:.3g} mrad"))
-    harmonic = pivot_harmonic(table)
-    if harmonic is not None:
-        amplitude, frequency = harmonic.amplitude, harmonic.frequency
-        size = f"{1e3 * amplitude:.4g} mm" if attrs["geometry"] == "metric" else (
-            f"{amplitude:.4g} pixels"
-        )  # fmt: skip
-        rate = f"{frequency:.6g} rad/s ({frequency / math.tau:.5g} Hz)"
-        rows.append(("pivot", f"{size} at {rate}, one harmonic over the whole clip"))
-    elif attrs["geometry"] != "unknown":
-        rows.append(("pivot", unseen_pivot(attrs) or "rests"))
+    if attrs["geometry"] != "unknown":
+        harmonics = pivot_harmonic(table), sideways_harmonic(table)
+        text = unseen_pivot(attrs) or pivot_text(*harmonics, attrs["geometry"])
+        whole = ", as harmonics over the whole clip" if any(harmonics) else ""
+        rows.append(("pivot", text + whole))
     source = attrs.get("scale_source", "length")
     length = "declared" if source == "length" else f"by the scale of the {source}"
     texts = {

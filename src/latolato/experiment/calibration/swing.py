@@ -113,9 +113,9 @@ def fit_swing(motion: Motion) -> Swing | None:
 def windows(motion: Motion, width: float) -> np.ndarray:
     """Return the terms of the equation in windows in order of time, shape (window, 6).
 
-    They are the time of its middle, the angular acceleration with what the pivot's adds to it, sine
-    and cosine of the angle, the speed, and the size of the sine. Half a window is as long as the
-    phase of the fastest swing needs to grow by a `width`.
+    They are the time of its middle, the angular acceleration and what a moving pivot adds to it,
+    sine and cosine of the angle, the speed, and the size of the sine. Half a window is as long as
+    the phase of the fastest swing needs to grow by a `width`.
     """
     times, angles, unit = motion.times, motion.angles, _unit(motion)
     steps = np.diff(times)
