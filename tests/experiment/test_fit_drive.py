@@ -123,7 +123,7 @@ def test_a_stepped_drive_says_what_it_leaves_out():
     )
     assert fit["horizontal_phase"].value == pytest.approx(-0.8, abs=0.02)
     assert isinstance(fit.drive, ll.FrequencySchedule)
-    assert "behind the height, which the drive frequency_schedule leaves out." in fit.verdict
+    assert "behind the height, which the drive FrequencySchedule leaves out." in fit.verdict
 
 
 @pytest.mark.parametrize("values", [0.0, np.nan])

@@ -31,6 +31,8 @@ from latolato.core.scalar import cosine, formula, sine
 from latolato.physics.drives import Drive, PeriodicDrive, drives
 from page_blocks import unpack
 
+ROOT = Path(__file__).parents[2]
+
 
 class Tone(NamedTuple):
     """A cosine and its third overtone."""
@@ -256,7 +258,7 @@ def test_it_has_a_form_and_runs_in_the_app():
 def test_the_command_line_knows_it(tmp_path):
     program = (
         # The name of this module is in the keys of its kernels, which are compiled already.
-        f"import sys; sys.path.insert(0, {str(Path(__file__).parents[2])!r})\n"
+        f"import sys; sys.path[:0] = {[str(ROOT), str(ROOT / 'tests' / 'shared')]!r}\n"
         f"from {__name__} import Sharp, drives\n"
         "drives.register('sharp')(Sharp)\n"
         "from latolato.cli.main import main\nmain()"
