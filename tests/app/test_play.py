@@ -291,6 +291,7 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
     for rows in (3, 4):
         page.get_by_role("button", name="Add a row").click()
         page.wait_for_function(f"() => ({lengths})()[0] === {rows}")
+    page.get_by_label("angular frequency of each stage 4").wait_for()  # else it is drawn again
     page.get_by_label("angular frequency of each stage 3").fill("12")
     page.get_by_label("angular frequency of each stage 3").press("Enter")
     page.wait_for_function(
