@@ -83,30 +83,32 @@ def test_parts_that_rest_elsewhere_are_no_part_of_a_swing():
     assert trajectory(places).without_rests().is_seen.all()
 
 
-def test_the_pivot_of_a_swing_seen_obliquely_is_found_without_clicks(tmp_path):
-    run = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), initial_angle=0.9, duration=3.0)
-    camera = Camera(width=480, height=360, fps=40.0, yaw=0.6)
-    path = tmp_path / "aside.mp4"
-    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=1)
+def tracked_without_clicks(path, initial_angle, **camera):
+    """Return the true table of a clip of a free swing, and that which is found in it."""
+    run = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), initial_angle=initial_angle, duration=3.0)
+    view = Camera(width=480, height=360, fps=40.0, **camera)
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), view, seed=1)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        table = ll.track(path)
-    off = [table.attrs[f"pivot_pixel_{axis}"] - truth.attrs[f"pivot_pixel_{axis}"] for axis in "uv"]
-    assert np.hypot(*off) < 4.0  # as near as a click
+        return truth, ll.track(path)
+
+
+def off_by(truth, table, name):
+    """Return how far a place that was found lies from the true one [pixels]."""
+    names = [f"{name}_pixel_{axis}" for axis in "uv"]
+    return np.hypot(*(table.attrs[each] - truth.attrs[each] for each in names))
+
+
+def test_the_pivot_of_a_swing_seen_obliquely_is_found_without_clicks(tmp_path):
+    truth, table = tracked_without_clicks(tmp_path / "aside.mp4", 0.9, yaw=0.6)
+    assert off_by(truth, table, "pivot") < 4.0  # as near as a click
     assert abs(table.attrs["tilt"] - 0.6) < 0.05
     error = np.abs(table.angle_1.values - truth.angle_1.values)[table.flag_1.values == "ok"]
     assert np.mean(error < 0.02) > 0.9
 
 
 def test_a_ball_that_never_leaves_its_place_is_found_without_clicks(tmp_path):
-    run = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), initial_angle=0.05, duration=3.0)
-    camera = Camera(width=480, height=360, fps=40.0, pixels_per_metre=800.0)
-    path = tmp_path / "small.mp4"
-    truth = synthesise_video(run, path, Scene(ball_radius=0.02), camera, seed=1)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")
-        table = ll.track(path)
-    for name, least in (("pivot", 12.0), ("ball_1", 2.0)):  # a twentieth of the arm; as a click
-        off = [table.attrs[f"{name}_pixel_{c}"] - truth.attrs[f"{name}_pixel_{c}"] for c in "uv"]
-        assert np.hypot(*off) < least
+    truth, table = tracked_without_clicks(tmp_path / "small.mp4", 0.05, pixels_per_metre=800.0)
+    assert off_by(truth, table, "pivot") < 12.0  # a twentieth of the arm
+    assert off_by(truth, table, "ball_1") < 2.0  # as near as a click
     assert np.mean(table.flag_1.values == "ok") > 0.9

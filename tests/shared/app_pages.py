@@ -35,7 +35,7 @@ _ARGUMENTS = (
 )
 # How long a page may take to show its first run, map or result [ms].
 PATIENCE = 120_000
-# What the address says of a view or of a toy in a hand, and what marks that it shows something.
+# How addresses name the views, and a toy held by hand; and the attributes of pages that are ready.
 ADDRESS = {"toy": "toy", "held": "toy&toy.hand=1", "map": "map"}
 READY = {"toy": "[data-runs]", "held": "[data-ready]", "map": "[data-done]"}
 
