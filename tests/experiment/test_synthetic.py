@@ -12,7 +12,7 @@ from conditions import conditions
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.encode import write_video
-from latolato.experiment.quality import pivot_harmonic, pivot_text, sideways_harmonic
+from latolato.experiment.quality import pivot_numbers, pivot_text
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import prepare, synthesise_video
 from latolato.experiment.track_table import read_table
@@ -306,8 +306,7 @@ def test_a_pivot_is_described_as_it_moves(up, aside, text):
     )
     swing = ll.simulate(ll.Pendulum(length=0.3, mass=0.1), drive, initial_angle=0.3, duration=4.0)
     table = prepare(swing, camera=Camera(width=64, height=64)).truth()
-    harmonics = pivot_harmonic(table), sideways_harmonic(table)
-    assert pivot_text(*harmonics, "metric") == text
+    assert pivot_text({**table.attrs, "geometry": "metric", **pivot_numbers(table)}) == text
 
 
 def test_what_is_no_run_is_refused(run, tmp_path):

@@ -217,12 +217,7 @@ def _proposed(job: Job, task: Any) -> dict[str, Any]:
 def summarise(table: Any) -> dict[str, Any]:
     """Return the numbers of a table that a summary contains."""
     from latolato.experiment.period import period_of_ball
-    from latolato.experiment.quality import (
-        flag_shares,
-        pivot_harmonic,
-        sideways_harmonic,
-        typical_sigma,
-    )
+    from latolato.experiment.quality import flag_shares, pivot_numbers, typical_sigma
     from latolato.experiment.track_table import balls_of
 
     attrs = table.attrs
@@ -233,13 +228,8 @@ def summarise(table: Any) -> dict[str, Any]:
         "geometry": attrs["geometry"],
         "flags": flag_shares(table),
         "angle_sigma": typical_sigma(table),
+        **pivot_numbers(table),
     }
-    for way, harmonic in (
-        ("drive", pivot_harmonic(table)),
-        ("sideways", sideways_harmonic(table)),
-    ):
-        numbers[f"{way}_amplitude"] = harmonic and harmonic.amplitude
-        numbers[f"{way}_frequency"] = harmonic and harmonic.frequency
     for name in (
         "slow_motion",
         "capture_rate",
@@ -269,7 +259,7 @@ def summarise(table: Any) -> dict[str, Any]:
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
     """Return a summary as names and texts for reading."""
-    from latolato.experiment.quality import Harmonic, clock_text, pivot_text, unseen_pivot
+    from latolato.experiment.quality import clock_text, pivot_text
 
     if "is_proposed" in summary:
         places = summary["options"]
@@ -300,13 +290,7 @@ def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:
         if period is not None:
             lines[name] = f"{period:.6g} s, sigma {sigma:.2g} s"
     if summary["geometry"] != "unknown":
-        up, aside = (
-            Harmonic(summary[f"{way}_amplitude"], summary[f"{way}_frequency"])
-            if summary[f"{way}_amplitude"] is not None
-            else None
-            for way in ("drive", "sideways")
-        )
-        lines["pivot"] = unseen_pivot(summary) or pivot_text(up, aside, summary["geometry"])
+        lines["pivot"] = pivot_text(summary)
     if "exposure" in summary:
         lines["exposure"] = f"{100.0 * summary['exposure']:.0f} % of the time between frames"
     for k, text in enumerate(summary["warnings"]):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -116,7 +116,7 @@ class Harmonic:
 
     amplitude: float
     frequency: float
-    places: np.ndarray = field(default_factory=lambda: np.empty(0))
+    places: np.ndarray
 
 
 def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
@@ -127,27 +127,40 @@ def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
     return _harmonic(table, "y")
 
 
-def sideways_harmonic(table: xr.Dataset) -> Harmonic | None:
-    """Return the harmonic of the pivot's motion to the side, None as for `pivot_harmonic`.
+def pivot_numbers(table: xr.Dataset) -> dict[str, float | None]:
+    """Return amplitudes and frequencies of the pivot's motion up and down and to the side.
 
-    A track bends a large motion up and down a little to the side: that is none.
+    They are ``drive_amplitude`` and ``sideways_amplitude`` [m, pixels without a scale] and
+    ``drive_frequency`` and ``sideways_frequency`` [rad/s], None as for `pivot_harmonic`. A track
+    bends a large motion up and down a little to the side: that is none.
     """
     up, aside = pivot_harmonic(table), _harmonic(table, "x")
-    is_bent = up is not None and aside is not None and aside.amplitude < _ASIDE * up.amplitude
-    return None if is_bent else aside
+    if up is not None and aside is not None and aside.amplitude < _ASIDE * up.amplitude:
+        aside = None
+    return {
+        f"{way}_{name}": None if harmonic is None else getattr(harmonic, name)
+        for way, harmonic in (("drive", up), ("sideways", aside))
+        for name in ("amplitude", "frequency")
+    }
 
 
-def pivot_text(up: Harmonic | None, aside: Harmonic | None, geometry: str) -> str:
-    """Describe how a pivot in the picture moves up and down and to the side; see `Harmonic`."""
-    scale, unit = (1.0, "pixel") if geometry == "angles" else (1e3, "mm")
-    ways = [(up, " up and down" if aside else ""), (aside, " to each side")]
-    parts = [
-        f"{scale * each.amplitude:.5g} {unit}{way} at {each.frequency:.6g} rad/s "
-        f"({each.frequency / math.tau:.5g} Hz)"
-        for each, way in ways
-        if each
-    ]
-    return ", ".join(parts) or "rests"
+def pivot_text(values: Mapping[str, Any]) -> str:
+    """Describe how a pivot moves, or where it is if the picture does not show it.
+
+    `values` are the attributes of a table and its `pivot_numbers`.
+    """
+    scale, unit = (1.0, "pixel") if values["geometry"] == "angles" else (1e3, "mm")
+    is_oblique = values["sideways_amplitude"] is not None
+    parts = []
+    for name, way in (
+        ("drive", " up and down" if is_oblique else ""),
+        ("sideways", " to each side"),
+    ):
+        amplitude, rate = values[f"{name}_amplitude"], values[f"{name}_frequency"]
+        if amplitude is not None:
+            size = f"{scale * amplitude:.5g} {unit}{way}"
+            parts.append(f"{size} at {rate:.6g} rad/s ({rate / math.tau:.5g} Hz)")
+    return unseen_pivot(values) or ", ".join(parts) or "rests"
 
 
 def _harmonic(table: xr.Dataset, axis: str) -> Harmonic | None:

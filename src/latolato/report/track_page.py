@@ -19,10 +19,9 @@ from latolato.experiment.quality import (
     flag_shares,
     pivot_harmonic,
     pivot_heights,
+    pivot_numbers,
     pivot_text,
-    sideways_harmonic,
     typical_sigma,
-    unseen_pivot,
 )
 from latolato.experiment.track_table import FLAGS, balls_of
 from latolato.experiment.video import Frame, Video
@@ -291,10 +290,9 @@ def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
         common = 1e3 * attrs["angle_offset_sigma"]
         rows.append(("sigma of what all angles have in common", f"{common:.3g} mrad"))
     if attrs["geometry"] != "unknown":
-        harmonics = pivot_harmonic(table), sideways_harmonic(table)
-        text = unseen_pivot(attrs) or pivot_text(*harmonics, attrs["geometry"])
-        whole = ", as harmonics over the whole clip" if any(harmonics) else ""
-        rows.append(("pivot", text + whole))
+        numbers = pivot_numbers(table)
+        whole = ", as harmonics over the whole clip" if any(numbers.values()) else ""
+        rows.append(("pivot", pivot_text({**attrs, **numbers}) + whole))
     source = attrs.get("scale_source", "length")
     length = "declared" if source == "length" else f"by the scale of the {source}"
     texts = {
