@@ -137,7 +137,7 @@ export class Screen {
     if (!clock.isRead) return;
     if (this.scrub) this.scrub.value = String(clock.index);
     if (this.timeText) this.timeText.textContent = t("frameText", {
-      frame: this.frame + 1, count: this.frames, time: clock.time.toFixed(3) });
+      frame: this.frame, last: this.frames - 1, time: clock.time.toFixed(3) });
     if (this.read) this.read.textContent = this.reading();
   }
 

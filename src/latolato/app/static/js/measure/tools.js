@@ -67,9 +67,9 @@ export class Tools {
     this.hand.setAttribute("aria-pressed", String(this.isByHand));
     const { first, last, about } = clip;
     this.all.hidden = first === null && last === null;
-    this.used.textContent = [t("pointedIn", { frame: clip.clickFrame + 1 }),
+    this.used.textContent = [t("pointedIn", { frame: clip.clickFrame }),
       this.all.hidden ? t("usedAll") : t("usedFrames", {
-        first: (first ?? 0) + 1, last: (last ?? (about?.frames ?? 1) - 1) + 1 })].join(" ");
+        first: first ?? 0, last: last ?? (about?.frames ?? 1) - 1 })].join(" ");
     this.list.hidden = clip.corrections.length === 0;
     this.list.replaceChildren(...clip.corrections.map((each) => this.chip(clip, each)));
     this.moved();
@@ -86,7 +86,7 @@ export class Tools {
    */
   chip(clip, correction) {
     const ball = t(clip.places.ball_2 ? `ball_${correction.ball}` : "ball");
-    const name = t("correction", { frame: correction.frame + 1, ball });
+    const name = t("correction", { frame: correction.frame, ball });
     return el("li", {},
       el("button", { type: "button", class: "link",
         on: { click: () => this.on.go(correction.frame) } }, name),
