@@ -97,3 +97,15 @@ def test_an_animation_is_made_from_the_menu_or_cancelled(page, tmp_path):
     path = download(page.get_by_role("button", name="MP4"), tmp_path)
     with av.open(str(path)) as file:
         assert sum(1 for _ in file.decode(video=0)) == 31
+
+
+def test_a_second_file_is_made_after_the_first(page):
+    open_view(page, "&scenario=fig04a_push&duration=20 s")
+    page.get_by_text("Download", exact=True).click()
+    made = []
+    page.on("download", lambda file: made.append(file.suggested_filename))
+    page.get_by_role("button", name="SVG").click()
+    page.get_by_role("button", name="PNG").click()
+    page.get_by_text("PNG is made next, after the file before it.").wait_for()
+    page.get_by_text("Stored latolato_fig04a_push.png.").wait_for()
+    assert made == ["latolato_fig04a_push.svg", "latolato_fig04a_push.png"]

@@ -1,7 +1,7 @@
 /** The menu from which the map on show is stored: its numbers and its picture. */
 
 import { el, notify, saveFile } from "../page/dom.js";
-import { fileOf, JobLine } from "../page/jobs.js";
+import { FileQueue, fileOf } from "../page/jobs.js";
 import { t } from "../strings.js";
 import { lookOf } from "./colours.js";
 import { pictureOf } from "./image.js";
@@ -22,10 +22,10 @@ export class MapFiles {
   /** @param {MapView} view */
   constructor(view) {
     this.view = view;
-    this.job = new JobLine();
+    this.files = new FileQueue();
     const { server } = view.page.registry;
     const entry = (/** @type {string} */ kind) => el("li", {},
-      el("button", { type: "button", on: { click: () => void this.store(kind) } }, t(NAMES[kind] ?? `file_${kind}`)),
+      el("button", { type: "button", on: { click: () => void this.store(kind) } }, t(textOf(kind))),
       el("span", { class: "soft" }, ` ${t(`mapFileHint_${kind}`)}`));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
@@ -33,7 +33,7 @@ export class MapFiles {
       } } },
       el("summary", {}, t("download")),
       el("ul", {}, ...[...OWN, ...(server ? OF_PROGRAM : [])].map(entry)),
-      el("p", { class: "hint" }, t(server ? "mapFilesHint" : "mapFilesProgram")), this.job.root);
+      el("p", { class: "hint" }, t(server ? "mapFilesHint" : "mapFilesProgram")), this.files.job.root);
   }
 
   /**
@@ -41,7 +41,8 @@ export class MapFiles {
    * @param {string} kind
    */
   async store(kind) {
-    const { view, job } = this;
+    const { view, files } = this;
+    const { job } = files;
     const { grid, question } = view;
     job.error.hidden = true;
     if (!grid) {
@@ -49,12 +50,16 @@ export class MapFiles {
       return;
     }
     try {
-      if (kind === "screen") this.keep(await pictureOf(view), "png", 0);
+      const name = baseOf(view);
+      if (kind === "screen") keep(await pictureOf(view), name, "png", 0);
       else if (kind === "csv" && question)
-        this.keep(new Blob([csvOf(question, grid)], { type: "text/csv" }), kind, grid.width * grid.height - grid.done);
+        keep(new Blob([csvOf(question, grid)], { type: "text/csv" }), name, kind, grid.width * grid.height - grid.done);
       else {
-        const block = await job.run("ws/map/file", { kind, ...fileRequestOf(view, grid) });
-        if (block) this.keep(fileOf(block, "file", block.about.type), kind, block.about.missing);
+        const request = { kind, ...fileRequestOf(view, grid) };
+        await files.add(t(textOf(kind)), async () => {
+          const block = await job.run("ws/map/file", request);
+          if (block) keep(fileOf(block, "file", block.about.type), name, kind, block.about.missing);
+        });
       }
     } catch (error) {
       if (!(error instanceof Error)) throw error;
@@ -62,24 +67,39 @@ export class MapFiles {
     }
   }
 
-  /**
-   * @param {Blob} file
-   * @param {string} ending
-   * @param {number} missing points that are not computed
-   */
-  keep(file, ending, missing) {
-    const { request: { scenario, stored }, question } = this.view;
-    const base = stored ? stored.replace(/\.(zarr\.zip|zarr|nc|csv|parquet)$/, "")
-      : `latolato_map_${scenario ?? question?.options.system}`;
-    const name = `${base}${missing ? ".unfinished" : ""}.${ending}`;
-    saveFile(file, name);
-    notify(t(missing ? "mapStoredPart" : "stored", { name, missing }));
-  }
-
-  /** Cancel a file that is being made. */
+  /** Cancel the files that are being made. */
   stop() {
-    this.job.stop();
+    this.files.stop();
   }
+}
+
+/**
+ * Return the name of the text for a kind of file.
+ * @param {string} kind
+ */
+function textOf(kind) {
+  return NAMES[kind] ?? `file_${kind}`;
+}
+
+/**
+ * Return the name of the files of the map on show, without their endings.
+ * @param {MapView} view
+ */
+function baseOf({ request: { scenario, stored }, question }) {
+  return stored ? stored.replace(/\.(zarr\.zip|zarr|nc|csv|parquet)$/, "")
+    : `latolato_map_${scenario ?? question?.options.system}`;
+}
+
+/**
+ * @param {Blob} file
+ * @param {string} base
+ * @param {string} ending
+ * @param {number} missing points that are not computed
+ */
+function keep(file, base, ending, missing) {
+  const name = `${base}${missing ? ".unfinished" : ""}.${ending}`;
+  saveFile(file, name);
+  notify(t(missing ? "mapStoredPart" : "stored", { name, missing }));
 }
 
 /**

@@ -3,7 +3,7 @@
 import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
-import { el } from "./dom.js";
+import { el, notify } from "./dom.js";
 import { inLanguage } from "./refusals.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
@@ -140,6 +140,41 @@ export class JobLine {
   /** Cancel what runs. */
   stop() {
     this.running?.abort();
+  }
+}
+
+/** Makes the files that somebody asks for, one after the other. */
+export class FileQueue {
+  constructor() {
+    this.job = new JobLine();
+    /** How many are being made or wait. */
+    this.count = 0;
+    /** Ends when all of them are made. */
+    this.all = Promise.resolve();
+    /** Which of those that wait are still wanted. */
+    this.wanted = new AbortController();
+  }
+
+  /**
+   * Make a file as soon as those before it are made or cancelled.
+   * @param {string} name of the file in a sentence
+   * @param {() => Promise<void>} make
+   */
+  add(name, make) {
+    const { signal } = this.wanted;
+    if (this.count > 0) notify(t("fileWaits", { name }));
+    this.count += 1;
+    const done = this.all.then(() => (signal.aborted ? undefined : make())).finally(() => { this.count -= 1; });
+    // A file that fails leaves the others to be made.
+    this.all = done.catch(() => {});
+    return done;
+  }
+
+  /** Cancel what is being made, and what waits. */
+  stop() {
+    this.wanted.abort();
+    this.wanted = new AbortController();
+    this.job.stop();
   }
 }
 

@@ -2,7 +2,7 @@
 
 import { columnsTable, contactsTable, tomlOf } from "../model/run_files.js";
 import { el, notify, saveFile } from "../page/dom.js";
-import { fileOf, JobLine } from "../page/jobs.js";
+import { FileQueue, fileOf } from "../page/jobs.js";
 import { Runner } from "../player/runner.js";
 import { speedMenu } from "../player/clock.js";
 import { t } from "../strings.js";
@@ -24,19 +24,19 @@ export class Downloads {
   constructor(page, root) {
     this.page = page;
     this.runner = new Runner(page.registry);
-    this.job = new JobLine();
+    this.files = new FileQueue();
     const [label, speed] = speedMenu(FASTEST);
     this.speed = speed;
     const { server } = page.registry;
     /** @type {[string, HTMLElement][]} */
     this.entries = [...OWN, ...(server ? OF_PROGRAM : [])].map((kind) => [kind, el("li", {},
-      el("button", { type: "button", class: "plain link", on: { click: () => void this.store(kind) } }, t(`file_${kind}`)),
+      el("button", { type: "button", class: "plain link", on: { click: () => void this.add(kind) } }, t(`file_${kind}`)),
       el("span", { class: "soft" }, t(`fileHint_${kind}`), ...(kind === "mp4" ? [". ", label, " ", speed] : [])))]);
     root.addEventListener("keydown", (event) => {
       if (event.key === "Escape") root.open = false;
     });
     root.append(el("ul", {}, ...this.entries.map(([, item]) => item)),
-      server ? this.job.root : el("p", { class: "hint" }, t("fileProgram")));
+      server ? this.files.job.root : el("p", { class: "hint" }, t("fileProgram")));
   }
 
   /**
@@ -55,18 +55,30 @@ export class Downloads {
   }
 
   /**
-   * Compute the run once more, with all its samples, and store it; what was played is stored as it is.
+   * Store the run that is on show now, as soon as the files asked for before are made.
    * @param {string} kind
    */
-  async store(kind) {
+  add(kind) {
+    const { request, block, isPlayed = false } = this;
+    if (!request || !block) return;
+    const speed = Number(this.speed.value);
+    return this.files.add(t(`file_${kind}`), () => this.store({ kind, ...request, speed }, block, isPlayed));
+  }
+
+  /**
+   * Compute a run once more, with all its samples, and store it; what was played is stored as it is.
+   * @param {{kind: string, scenario: string | null, options: Record<string, any>, speed: number}} request
+   * @param {import("../page/block.js").Block} shown
+   * @param {boolean} isPlayed
+   */
+  async store(request, shown, isPlayed) {
     const { registry } = this.page;
-    const { request, block: shown, isPlayed } = this;
-    if (!request || !shown) return;
+    const { kind } = request;
     const { system, drive } = shown.about.options;
     const name = `latolato_${isPlayed ? "by_hand" : request.scenario ?? `${system}_${drive}`}.${kind}`;
     let file;
     if (OF_PROGRAM.includes(kind)) {
-      const block = await this.job.run("ws/run/file", { kind, ...request, speed: Number(this.speed.value) });
+      const block = await this.files.job.run("ws/run/file", request);
       if (!block) return;
       file = fileOf(block, "file", block.about.type);
     } else {
@@ -79,8 +91,8 @@ export class Downloads {
     notify(t("stored", { name }));
   }
 
-  /** Cancel a file that is being made. */
+  /** Cancel the files that are being made. */
   stop() {
-    this.job.stop();
+    this.files.stop();
   }
 }
