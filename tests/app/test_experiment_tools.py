@@ -11,6 +11,7 @@ from app_pages import download
 from latolato.app.experiment.description import apparatus_of, described
 from latolato.core.errors import InputError
 from latolato.experiment.overlay import places_of
+from latolato.experiment.rules import RULES
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
@@ -108,6 +109,23 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
     assert np.flatnonzero(corrected.flag_1.values == "manual").tolist() == [30]
     assert abs(float(corrected.angle_1[30] - table.angle_1[30])) > 0.01
     assert page.get_by_role("button", name="Next doubtful frame").is_disabled()
+
+
+def test_sentences_call_parameters_as_their_fields_and_buttons(page):
+    texts = [text for rule in RULES.values() for text in rule if "{@" in text]
+    page.goto("/?view=measure")
+    page.get_by_label("Drop a video or a table here, or choose one").wait_for(state="attached")
+    said = page.evaluate(
+        """async texts => {
+          const { sentenceInLanguage } = await import("/js/page/refusals.js");
+          const rule = { name: "", part: "rule", values: {} };
+          return texts.map(text => sentenceInLanguage({ ...rule, text }));
+        }""",
+        texts,
+    )
+    assert "copy it again, or use the part before that (“End here”)" in said
+    names = re.findall(r"{@(\w+)}", " ".join(texts))
+    assert sum(text.count("“") for text in said) == len(names) > 20
 
 
 @pytest.mark.parametrize(

@@ -2,13 +2,19 @@
 
 import pickle
 import re
+from inspect import signature
 from string import Formatter
 
 import pytest
 
-from latolato.core.errors import InputError, Word, in_parts, joined
+from latolato.cli.options import flag_of
+from latolato.core.errors import InputError, Word, called, in_parts, joined
+from latolato.core.faults import refusal_of
 from latolato.core.rules import RULES, broken_rule, sentence
+from latolato.experiment.importing import import_table
+from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
+from latolato.experiment.rules import broken
 from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
 
@@ -18,6 +24,8 @@ SENTENCES = {
     **OF_TABLES,
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
+# What rules may name: parameters of functions, and the file of a run on the command line.
+OPTIONS = {*VIDEO_PARAMETERS, *signature(import_table).parameters, "balls", "from", "system"}
 
 
 @pytest.mark.parametrize("name", SENTENCES)
@@ -26,9 +34,24 @@ def test_pages_can_fill_every_gap(name):
         for _, gap, digits, conversion in Formatter().parse(text):
             if gap is None:
                 continue
-            assert re.fullmatch(r"\w+", gap)
+            assert re.fullmatch(r"\w+", gap) or gap.removeprefix("@") in OPTIONS
             assert re.fullmatch(r"((\.\d+)?g)?", digits)
             assert conversion is None
+
+
+@pytest.mark.parametrize("name", SENTENCES)
+def test_rules_leave_it_to_each_surface_what_an_option_is_called(name):
+    for text in SENTENCES[name]:
+        assert "--" not in text
+
+
+def test_a_sentence_calls_parameters_as_its_reader_does():
+    second = broken("second_ball", {"time": 1.5})
+    assert str(second).endswith("point at both (balls 2), or use the part before that (end)")
+    message = refusal_of(pickle.loads(pickle.dumps(second)), flag_of)
+    assert message.endswith("point at both (--balls 2), or use the part before that (--end)")
+    # Also one within another.
+    assert called(joined([second.way_out]), flag_of) in message
 
 
 def test_a_broken_rule_has_the_parts_of_its_sentence():

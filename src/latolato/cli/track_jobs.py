@@ -15,6 +15,7 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from latolato.cli.options import flag_of
 from latolato.cli.output import print_summary
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of
@@ -142,7 +143,7 @@ def _child(job: Job, pipe: Connection) -> None:
             warnings.simplefilter("ignore")
             pipe.send(("done", work(job, tell)))
     except Exception as error:
-        pipe.send(("failed", line_of(error)))
+        pipe.send(("failed", line_of(error, flag_of)))
     except KeyboardInterrupt:
         pass
     finally:

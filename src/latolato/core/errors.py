@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import importlib
 import json
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -60,14 +60,48 @@ class Sentence(str):
 
     def __new__(cls, named: NamedRule, part: str = "rule") -> Sentence:
         """Return the text."""
-        template: str = getattr(named, part)
-        sentence = super().__new__(cls, template.format(parameter=_NAME, **named.values))
+        sentence = super().__new__(cls, _filled(named, part, str))
         sentence.named, sentence.part = named, part
         return sentence
 
     def __getnewargs__(self) -> Any:
         """Return what it is made of, from which copies are made."""
         return self.named, self.part
+
+
+class _Gaps(dict[str, Any]):
+    """What stands in the gaps of a sentence; ``{@end}`` is for the name of the parameter `end`."""
+
+    def __init__(self, values: Mapping[str, Any], name_of: Callable[[str], str]) -> None:
+        super().__init__(values, parameter=_NAME)
+        self.name_of = name_of
+
+    def __missing__(self, gap: str) -> str:
+        if not gap.startswith("@"):
+            raise KeyError(gap)
+        return self.name_of(gap[1:])
+
+
+def _filled(named: NamedRule, part: str, name_of: Callable[[str], str]) -> str:
+    """Return a text of a rule with its gaps filled."""
+    values = {
+        gap: called(value, name_of) if isinstance(value, Sentence) else value
+        for gap, value in named.values.items()
+    }
+    template: str = getattr(named, part)
+    return template.format_map(_Gaps(values, name_of))
+
+
+def called(text: str, name_of: Callable[[str], str]) -> str:
+    """Return a text with what a user calls the parameters that its rule names, such as ``--end``.
+
+    Examples
+    --------
+    >>> text = Sentence(NamedRule("cut", "give {@end}", "", {}))
+    >>> text, called(text, "--{}".format)
+    ('give end', 'give --end')
+    """
+    return _filled(text.named, text.part, name_of) if isinstance(text, Sentence) else text
 
 
 def in_parts(value: Any) -> Any:
@@ -146,9 +180,12 @@ class InputError(ValueError):
         self.way_out = way_out
         self.where = ""
 
-    def worded(self, name: str | None) -> str:
-        """Return the whole text on one line, with this name for the parameter."""
-        text = self.rule
+    def worded(self, name: str | None, name_of: Callable[[str], str] = str) -> str:
+        """Return the whole text on one line, with this name for the parameter.
+
+        `name_of` returns what a user calls other parameters, see `called`.
+        """
+        text = called(self.rule, name_of)
         if self.parameter is not None:
             is_whole = _NAME in text
             if str(name).startswith("\u201c"):  # a label has quotes of its own
@@ -163,7 +200,7 @@ class InputError(ValueError):
                 shown = str(value) if is_quantity(value) else repr(value)
             text += f", got {shown:.{_LONGEST}}"
         if self.way_out is not None:
-            text += f"; {self.way_out}"
+            text += f"; {called(self.way_out, name_of)}"
         if self.where:
             text = f"{self.where}: {text}"
         return " ".join(text.split())

@@ -15,7 +15,9 @@ from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence
 class Rule(NamedTuple):
     """The rule and the way out of an `InputError`, with gaps as in Python's format strings.
 
-    ``{parameter}`` stands for the parameter at fault, and no gap has a format but ``g``.
+    ``{parameter}`` stands for the parameter at fault, ``{@end}`` for what a user calls the
+    parameter `end`: an option on the command line, a field of a page. No gap has a format but
+    ``g``.
     """
 
     rule: str
@@ -57,8 +59,8 @@ RULES = {
     "unknown_scenario": Rule("there is no scenario '{name}': {hint}"),
     "kind_of_law": Rule("the kind of {part} must be a text"),
     "what_to_run": Rule(
-        "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, --from FILE "
-        "or --system with one of {systems}"
+        "name what to run: a scenario (`latolato scenarios` lists them), a TOML file, "
+        "the file of a run ({@from}) or {@system} with one of {systems}"
     ),
     "one_run": Rule(
         "{name} is a sweep over {axes}, not one run",

@@ -20,8 +20,8 @@ RULES = {
     # of any fit
     "withheld": Rule("No number of this fit is a result. Its values are kept for inspection."),
     "withheld_whole": Rule(
-        "No number of this fit is a result. Its values are kept for inspection; give start and end "
-        "to fit a part that the model describes."
+        "No number of this fit is a result. Its values are kept for inspection; give {@start} and "
+        "{@end} to fit a part that the model describes."
     ),
     "outliers": Rule("{count} outliers were left out."),
     "repeated_samples": Rule("{count} samples that repeat the one before were left out."),
@@ -297,11 +297,11 @@ RULES = {
     "removed_turn": Rule("{count} whole turn taken off {column}"),
     "removed_turns": Rule("{count} whole turns taken off {column}"),
     "stated_above": Rule(
-        "{column} is above the pivot in most rows: is it counted from the x axis (angle_from = "
-        "'right')?"
+        "{column} is above the pivot in most rows: is it counted from the x axis "
+        "({@angle_from} 'right')?"
     ),
     "placed_above": Rule(
-        "{column} is above the pivot in most rows: does y point down (y_axis = 'down')?"
+        "{column} is above the pivot in most rows: does y point down ({@y_axis} 'down')?"
     ),
     # why a table cannot be imported
     "own_table": Rule("it is a track table already", "use it as it is"),
@@ -313,9 +313,9 @@ RULES = {
         "it has {count} tracks: {names}",
         "name the columns of one or two, as in ball_1_x = '{first}/x'",
     ),
-    "frames_only": Rule("it has frame numbers and no time", "give frame_rate in 1/s"),
+    "frames_only": Rule("it has frame numbers and no time", "give {@frame_rate} in 1/s"),
     "needless_rate": Rule(
-        "column {column} holds times, which need no frame rate", "leave out frame_rate"
+        "column {column} holds times, which need no frame rate", "leave out {@frame_rate}"
     ),
     "no_headings": Rule(
         "it has no names above its columns ({count})",
@@ -323,8 +323,8 @@ RULES = {
     ),
     "unclear_time": Rule(
         "it is not clear which column is {target}; it has {names}",
-        "name it, as in {target} = '{path} [{unit}]'; if each row is a frame, give frame_rate in "
-        "1/s",
+        "name it, as in {target} = '{path} [{unit}]'; if each row is a frame, give "
+        "{@frame_rate} in 1/s",
     ),
     "unclear_angle": Rule(
         "it is not clear which column is angle_1; it has {names}",
@@ -340,7 +340,7 @@ RULES = {
     ),
     "which_time": Rule(
         "which column is the time?",
-        "name it, as in time = 't [s]', or give frame_rate if each row is a frame",
+        "name it, as in time = 't [s]', or give {@frame_rate} if each row is a frame",
     ),
     "no_target": Rule("a track table has no column '{name}'"),
     "angle_or_rate": Rule("give angle_1 or {rate}, not both"),
@@ -359,10 +359,10 @@ RULES = {
     ),
     "rate_needs_frames": Rule(
         "column {column} holds no frame numbers, which a frame rate needs",
-        "name the column of frame numbers as time, or leave out frame_rate",
+        "name the column of frame numbers as time, or leave out {@frame_rate}",
     ),
     "frames_need_rate": Rule(
-        "column {column} holds frame numbers, not times", "give frame_rate in 1/s"
+        "column {column} holds frame numbers, not times", "give {@frame_rate} in 1/s"
     ),
     "mixed_positions": Rule(
         "{name} is in pixels, but {other} is not", "use one unit for positions"
@@ -413,7 +413,7 @@ RULES = {
     ),
     "damaged_video": Rule(
         "the file is damaged: frame {count} cannot be decoded (FFmpeg: '{fault}')",
-        "copy it again, or use the part before that (--end)",
+        "copy it again, or use the part before that ({@end})",
     ),
     "interlaced": Rule(
         "its frames are interlaced: odd and even rows were filmed at different times",
@@ -528,7 +528,7 @@ RULES = {
     "second_ball": Rule(
         "a second ball that looks the same meets this one at {time:.4g} s: from then on one may be "
         "taken for the other",
-        "point at both (--balls 2), or use the part before that (--end)",
+        "point at both ({@balls} 2), or use the part before that ({@end})",
     ),
     "upside_down": Rule(
         "the picture is upside down: the balls swing in it as if gravity pulled them upwards",
@@ -537,7 +537,7 @@ RULES = {
     # why there is no fit and no trial
     "moving_pivot": Rule(
         "the pivot moves by {size:.3g} mm either way: a decay needs a pivot at rest",
-        "use fit_model, or set start and end to a part where it is at rest",
+        "use fit_model, or set {@start} and {@end} to a part where it is at rest",
     ),
     "jumping_angle": Rule(
         "the angle jumps by {jump:.3g} rad at {time:.4g} s: the camera or the film changes there",
@@ -623,7 +623,7 @@ RULES = {
     "short_drive": Rule("the drive is too short for {count} stages"),
     "scale_of_motion": Rule("must be known: it is the scale of the motion"),
     "partly_known_pivot": Rule(
-        "the pivot is not known for the whole motion: give start and end, or the drive"
+        "the pivot is not known for the whole motion: give {@start} and {@end}, or the drive"
     ),
     "two_pivots": Rule("the balls hang from separate pivots: their impacts cannot be fitted"),
     "own_pivots": Rule(
@@ -640,11 +640,11 @@ RULES = {
     ),
     "no_angles": Rule("no pivot in the picture: no angles"),
     "unknown_length": Rule("is not in the table", "give it"),
-    "broken_trial": Rule("{doubt}", "give start and end of a part without a break"),
+    "broken_trial": Rule("{doubt}", "give {@start} and {@end} of a part without a break"),
     "angles_elsewhere": Rule(
         "ball {ball} moves about {angle:.4g} degrees, but a ball that hangs is at 0: its angles "
         "are counted from elsewhere, or are off by a turn",
-        "import them with --angle-from, or take the turn off",
+        "import them with {@angle_from}, or take the turn off",
     ),
     "few_frames": Rule("ball {ball} was seen in {count} frames, but a trial needs at least 8"),
     "few_late_frames": Rule("the ball was seen in {count} frames of the last part"),
@@ -664,7 +664,7 @@ RULES = {
     ),
     "moved_camera": Rule(
         "the camera moves: the background shifts by up to {pixels} pixels (at {time:.4g} s)",
-        "film with the camera on a tripod, or use a part in which it rests (--start, --end)",
+        "film with the camera on a tripod, or use a part in which it rests ({@start}, {@end})",
     ),
     "carried_ball": Rule(
         "the camera moves: the background shifts by up to {pixels} pixels (at {time:.4g} s), and "
@@ -711,7 +711,7 @@ RULES = {
     "correct_length": Rule("correct the length"),
     "cut_clip": Rule(
         "the clip is not in one piece: {places}, so times there are not those of the swing",
-        "track its pieces separately (--start, --end)",
+        "track its pieces separately ({@start}, {@end})",
     ),
     "cut_at": Rule("it is cut at {time:.4g} s"),
     "still_picture": Rule("the picture stands still from {begin:.4g} to {end:.4g} s"),
@@ -721,7 +721,7 @@ RULES = {
     ),
     "distorted_path": Rule(
         "the ball's path is distorted (lens, perspective or rolling shutter): angles may be off by "
-        "{off:.2g} mrad; declare the lens (--lens-k1) or the shutter (--row-time)"
+        "{off:.2g} mrad; declare the lens ({@lens_k1}) or the shutter ({@row_time})"
     ),
     "oblique_camera": Rule(
         "the camera looks at the swing at an angle of {angle} degrees: angles are corrected for "
@@ -831,6 +831,14 @@ RULES = {
         "elsewhere nothing like the ball lies on its circle about the pivot, so the pivot is "
         "wrong, the camera looks at an angle, or the ball is hard to see"
     ),
+    "ball_not_in_frame": Rule(
+        "1 ball was found in {seen} of {count} frames, but not in frame {frame}",
+        "point at pivot and ball, or look in another frame ({@click_frame})",
+    ),
+    "balls_not_in_frame": Rule(
+        "2 balls were found in {seen} of {count} frames, but not in frame {frame}",
+        "point at pivot and balls, or look in another frame ({@click_frame})",
+    ),
     "unlike_pixels": Rule(
         "{percent} % of the measured samples are given up as lost: there the pixels under it do "
         "not change as those under a ball",
@@ -844,7 +852,7 @@ RULES = {
     "not_where_pointed": Rule(
         "the ball is not seen where it was taken to be, at {time:.4g} s: the nearest frame that "
         "shows one is {count} frames away, at {near:.4g} s",
-        "point at the middle of the ball, or in a frame that shows it (--click-frame)",
+        "point at the middle of the ball, or in a frame that shows it ({@click_frame})",
     ),
     "other_ball": Rule(
         "the ball that was followed is at {place} with a radius of {radius} pixels, {pixels} "

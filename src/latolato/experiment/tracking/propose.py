@@ -11,7 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
-from latolato.experiment.rules import said
+from latolato.experiment.rules import broken, said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.detect import shrunk
 from latolato.experiment.tracking.link import (
@@ -241,12 +241,9 @@ def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: b
     frames = {frame.number: frame for frame in sample.frames}
     pairs = [n for n in sorted(frames) if shown[n] and n + 1 in frames and shown[n + 1]]
     if not is_free or not pairs:
-        raise InputError(
-            f"{len(tracks)} {'balls were' if len(tracks) == 2 else 'ball was'} found in "
-            f"{shown.sum()} of {len(shown)} frames, but not in frame "
-            f"{video.first_frame + sample.click}",
-            way_out="point at pivot and ball, or look in another frame (--click-frame)",
-        )
+        frame = video.first_frame + sample.click
+        rule = "balls_not_in_frame" if len(tracks) == 2 else "ball_not_in_frame"
+        raise broken(rule, {"seen": int(shown.sum()), "count": len(shown), "frame": frame})
     return replace(sample, clicked=[frames[pairs[0]], frames[pairs[0] + 1]])
 
 

@@ -166,7 +166,7 @@ RULES = {
         "the last part of '{cell}' may count frames or hundredths of a second",
         "export the time in seconds or milliseconds",
     ),
-    "rate_of_clock": Rule("give frame_rate in 1/s"),
+    "rate_of_clock": Rule("give {@frame_rate} in 1/s"),
     # columns, sections and objects
     "stated_unit": Rule(
         "column {column} is in [{unit}] itself, not in [{other}]",

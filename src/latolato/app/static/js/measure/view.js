@@ -6,7 +6,7 @@ import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
 import { textsOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
-import { inPagesWords, sentenceInLanguage, warningsText } from "../page/refusals.js";
+import { inPagesWords, learnLabels, sentenceInLanguage, warningsText } from "../page/refusals.js";
 import { t, tr } from "../strings.js";
 import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } from "./cards.js";
 import { Handles } from "./handles.js";
@@ -23,6 +23,9 @@ import { panelsOf } from "./track.js";
 
 /** What of an example's truth somebody would have measured before, by the fields. */
 const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
+/** What sets the parameters that have no field. */
+const CONTROLS = { start: "startHere", end: "endHere", click_frame: "pointHere", balls: "ballCount",
+  angle_from: "angleFrom", y_axis: "yDown" };
 /** A link with this part clips an example and measures it. */
 const LINKED = "measure.example";
 
@@ -173,6 +176,8 @@ export class MeasureView {
       field.label = tr(field.label);
       field.description = tr(field.description);
     }
+    learnLabels(hello.fields);
+    learnLabels(Object.fromEntries(Object.entries(CONTROLS).map(([name, text]) => [name, { label: t(text) }])));
     const setup = new Setup(this.page, hello.fields, {
       changed: () => this.resized(),
       count: (balls) => this.counted(balls),

@@ -11,17 +11,18 @@
  * @typedef {{name: string, part: "rule" | "way_out", text: string, values: Record<string, Value>}} Sentence
  * @typedef {string | number | {word: string} | Sentence} Value
  *
- * Another language: a sentence by the name of its rule, undefined where it lacks that, and words.
+ * Another language: a sentence by the name of its rule, undefined where it lacks that, words, and what
+ * people call a parameter that a sentence names in a gap such as `{@end}`.
  * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined,
- *   word: (text: string) => string}} RuleLanguage
+ *   word: (text: string) => string, label: (parameter: string) => string}} RuleLanguage
  */
 
 /** @type {Record<string, Rule>} */
 const RULES = {};
 /** @type {RuleLanguage} */
-const ENGLISH = { sentence: () => undefined, word: (text) => text };
+const ENGLISH = { sentence: () => undefined, word: (text) => text, label: (parameter) => parameter };
 // A gap, and how many digits a number in it has.
-const GAP = /\{(\w+)(?::(?:\.(\d+))?(g))?\}/g;
+const GAP = /\{(@?\w+)(?::(?:\.(\d+))?(g))?\}/g;
 const DIGITS = 6;
 
 /**
@@ -56,6 +57,7 @@ export function say(sentence, language = ENGLISH) {
   const digits = Object.fromEntries(Array.from(text.matchAll(GAP), ([, gap, count, isGeneral]) =>
     [gap, isGeneral ? Number(count ?? DIGITS) : 0]));
   return (language.sentence(name, part) ?? text).replace(GAP, (whole, gap) => {
+    if (gap.startsWith("@")) return language.label(gap.slice(1));
     const value = values[gap];
     if (value === undefined) return whole;
     if (typeof value === "number" && digits[gap]) return general(value, digits[gap]);

@@ -4,8 +4,13 @@ import { InputError, say } from "../model/rules.js";
 import { local, ruleText, t, tr } from "../strings.js";
 import { short, shownUnit } from "./unit_text.js";
 
+/** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
+const LABELS = new Map();
 /** @type {import("../model/rules.js").RuleLanguage} */
-const LANGUAGE = { sentence: ruleText, word: tr };
+const LANGUAGE = { sentence: ruleText, word: tr, label: (parameter) => {
+  const label = LABELS.get(parameter);
+  return label === undefined ? parameter : quoted(label);
+} };
 // Rules that refuse what is no number in the unit of an option.
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
@@ -19,6 +24,19 @@ const STARTS = /** @type {Record<string, string>} */ ({
   offset: "refuseOffset", "offset in degrees": "refuseOffset",
   "half turn": "refuseBetween", turn: "refuseTurn" });
 const TURNS = /** @type {Record<string, number>} */ ({ "half turn": Math.PI, turn: 2 * Math.PI });
+
+/**
+ * Learn what the page calls parameters.
+ * @param {Record<string, {label: string}>} options
+ */
+export function learnLabels(options) {
+  for (const [name, { label }] of Object.entries(options)) LABELS.set(name, label);
+}
+
+/** @param {string} label */
+function quoted(label) {
+  return `\u201c${label}\u201d`;
+}
 
 /**
  * Return the text of an error in the language of the page; it calls parameters by their names.
@@ -132,5 +150,5 @@ export function inPagesWords(registry, error) {
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [local(own.worded(`\u201c${option.label}\u201d`, LANGUAGE)), name];
+  return [local(own.worded(quoted(option.label), LANGUAGE)), name];
 }
