@@ -291,7 +291,11 @@ def test_tables_of_several_videos_need_names_of_their_own(swing, tmp_path, capsy
     [
         (["--ball", "91,11"], "pivot and ball must be at least 8 pixels apart"),
         (["--ball", "60,90", "--ball", "61,90"], "two balls must be at least 8 pixels apart"),
-        (["--ball", "60,90", "--row-time", "1"], "row_time must let 240 rows fit between"),
+        (
+            ["--ball", "60,90", "--row-time", "1"],
+            "row_time must let 240 rows fit between two frames 0.0167 s apart, got 1; give the "
+            "time from one row to the next, not that of all rows",
+        ),
         (["--ball", "60,90", "--row-time", "-1"], "row_time must lie in [0, inf) s"),
         (["--ball", "60,90", "--lens-k1", "nan"], "lens_k1 must be a number"),
         (["--ball", "60,90", "--lens-k2", "5"], "lens_k2 must lie in [-1, 1]"),

@@ -87,7 +87,10 @@ def test_a_stick_is_measured_without_the_lens():
         ({"stick": STICK}, "stick_length is missing"),
         ({"stick_length": 1.0}, "stick is missing"),
         ({"stick": STICK, "stick_length": 0.0}, r"stick_length must lie in \(0, inf\) m"),
-        ({"stick": ((1, 2), (3, 4)), "stick_length": 1.0}, "at least 8 pixels apart"),
+        (
+            {"stick": ((1, 2), (4, 6)), "stick_length": 1.0},
+            "at least 8 pixels apart in the picture, but are 5; point at both ends again",
+        ),
         ({"stick": np.array([[1, 2], [3, 4]]), "stick_length": 1.0}, "at least 8 pixels apart"),
         ({"stick": (1, 2, 3, 4), "stick_length": 1.0}, "stick must be two places in pixels"),
         ({"stick": ((1, 2), (400, 4)), "stick_length": 1.0}, "end of the stick at .* outside"),

@@ -60,7 +60,7 @@ def test_what_was_not_measured_is_unknown_and_every_variable_has_units():
     "columns, said",
     [
         ({"angle_1": [0.1]}, "needs the column 'time'"),
-        ({"time": []}, "needs rows"),
+        ({"time": []}, "needs rows, but this one has none; give one row or more"),
         ({"time": [0.0, 0.0]}, "time must increase strictly, above 0 in row 2, got 0"),
         ({"time": [0.0, np.nan]}, "time must be known in every row"),
         ({"time": [0.0], "angel_1": [0.1]}, "no column 'angel_1'"),

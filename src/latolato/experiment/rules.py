@@ -298,10 +298,10 @@ RULES = {
     "removed_turns": Rule("{count} whole turns taken off {column}"),
     "stated_above": Rule(
         "{column} is above the pivot in most rows: is it counted from the x axis "
-        "({@angle_from} 'right')?"
+        "({@angle_from} = 'right')?"
     ),
     "placed_above": Rule(
-        "{column} is above the pivot in most rows: does y point down ({@y_axis} 'down')?"
+        "{column} is above the pivot in most rows: does y point down ({@y_axis} = 'down')?"
     ),
     # why a table cannot be imported
     "own_table": Rule("it is a track table already", "use it as it is"),
@@ -388,7 +388,7 @@ RULES = {
     "few_turns_of_rate": Rule("an angle from {rate} needs a swing with at least 6 turning points"),
     # why a track table cannot be read
     "lacking_columns": Rule("it lacks these columns of a track table: {names}"),
-    "no_row": Rule("a track table needs rows"),
+    "no_row": Rule("a track table needs rows, but this one has none", "give one row or more"),
     "unit_of_column": Rule("the unit of column '{parameter}' must be [{unit}]"),
     "numbers_of_column": Rule("column '{parameter}' must hold numbers"),
     "whole_numbers_of_column": Rule("column '{parameter}' must hold whole numbers"),
@@ -448,7 +448,9 @@ RULES = {
     # why a video cannot be tracked: what the user pointed at and gave
     "half_stick": Rule("is missing: a stick needs both of its ends and its length"),
     "short_stick": Rule(
-        "the ends of a stick must be at least {least:g} pixels apart in the picture"
+        "the ends of a stick must be at least {least:g} pixels apart in the picture, but are "
+        "{apart:.3g}",
+        "point at both ends again, or use a longer stick",
     ),
     "outside_region": Rule(
         "the ball at {place} lies outside the region from {one} to {other}",
@@ -462,7 +464,10 @@ RULES = {
     "pivot_at_edge": Rule(
         "the pivot at {place} must lie at least {least} pixels inside the picture"
     ),
-    "long_readout": Rule("must let {rows} rows fit between two frames {pause:.3g} s apart"),
+    "long_readout": Rule(
+        "must let {rows} rows fit between two frames {pause:.3g} s apart",
+        "give the time from one row to the next, not that of all rows",
+    ),
     "unused_correction": Rule(
         "frame {frame} is corrected, but only frames {first} to {last} are used",
         "remove the correction, or use that frame too",

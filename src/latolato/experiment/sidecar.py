@@ -265,8 +265,9 @@ def checked_stick(value: Any) -> tuple[Place, Place]:
     if isinstance(value, str) or not isinstance(value, Collection) or len(value) != 2:
         raise InputError("must be two places in pixels", parameter="stick", value=value)
     one, other = (checked_place("stick", end) for end in value)
-    if math.dist(one, other) < _SHORTEST:
-        raise broken("short_stick", {"least": _SHORTEST})
+    apart = math.dist(one, other)
+    if apart < _SHORTEST:
+        raise broken("short_stick", {"least": _SHORTEST, "apart": apart})
     return one, other
 
 

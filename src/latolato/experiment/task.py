@@ -216,7 +216,8 @@ def _checked(setup: Setup, video: Video) -> Setup:
     readout = setup.optics.row_time * video.height
     if video.frame_rate and readout * video.frame_rate > 1.0:
         frames = {"rows": video.height, "pause": 1.0 / video.frame_rate}
-        raise broken("long_readout", frames, parameter="row_time")
+        row_time = setup.optics.row_time
+        raise broken("long_readout", frames, parameter="row_time", value=row_time)
     reach = _FARTHEST * math.hypot(video.width, video.height)
     for u, v in filter(None, (setup.pivot, setup.pivot_2)):
         if math.hypot(u - 0.5 * video.width, v - 0.5 * video.height) > reach:
