@@ -2,7 +2,7 @@
 import { readFileSync } from "node:fs";
 
 import { InputError, learnRules } from "../../src/latolato/app/static/js/model/rules.js";
-import { curveText, parseCurves, placedCurve } from "../../src/latolato/app/static/js/map/curves.js";
+import { curveText, parseCurves, placedCurve } from "../../src/latolato/app/static/js/map/overlay_curves.js";
 import { linesAt } from "../../src/latolato/app/static/js/map/levels.js";
 import { liftOff, Placing, tongue } from "../../src/latolato/app/static/js/map/theory.js";
 import { tongueEdges } from "../../src/latolato/app/static/js/model/tongue.js";

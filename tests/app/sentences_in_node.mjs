@@ -19,7 +19,7 @@ for (const { scenario, end, step } of JSON.parse(readFileSync(requests, "utf8"))
   }
   const angles = motion.balls.map((ball) => motion.values("angle", ball.row)
     .map((/** @type {number} */ angle) => (ball.sign * angle * 180) / Math.PI));
-  results.push({ told, start: describe.startOf(motion), places: describe.placesOf(motion, 0),
+  results.push({ told, start: describe.startSentence(motion), places: describe.placesOf(motion, 0),
     curve: describe.curvesOf("angle", angles) });
 }
 writeFileSync(answers, JSON.stringify(results));

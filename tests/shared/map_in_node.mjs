@@ -8,7 +8,7 @@ import { variedBy } from "../../src/latolato/app/static/js/map/choices.js";
 import { ownMap } from "../../src/latolato/app/static/js/map/open.js";
 import { Pool } from "../../src/latolato/app/static/js/map/pool.js";
 
-import { csvOf, tablesOf } from "../../src/latolato/app/static/js/map/table.js";
+import { csvOf, mapTables } from "../../src/latolato/app/static/js/map/table.js";
 import { specify } from "../../src/latolato/app/static/js/model/case.js";
 import { learnRules } from "../../src/latolato/app/static/js/model/rules.js";
 import { run } from "../../src/latolato/app/static/js/model/simulate.js";
@@ -44,7 +44,7 @@ async function shown({ request, run: cell, planned }) {
     } });
     heard.status = [...grid.status];
     heard.values = grid.values.map((row) => Array.from(row, plain));
-    heard.tables = tablesOf(question);
+    heard.tables = mapTables(question);
     try {
       heard.csv = csvOf(question, grid);
     } catch (error) {

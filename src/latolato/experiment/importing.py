@@ -23,7 +23,7 @@ from latolato.io.tables.source import (
     Section,
     SourceColumn,
     SourceTable,
-    listed,
+    names_text,
     read_source,
 )
 from latolato.io.tables.units import IN_OTHERS, canonical, units_like
@@ -380,7 +380,7 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     """
     runs = _runs(section)
     if len(runs) > 1:
-        values = {"count": len(runs), "names": listed(runs), "first": runs[0]}
+        values = {"count": len(runs), "names": names_text(runs), "first": runs[0]}
         raise broken("several_runs", values)
     _refuse_rivals(section, has_rate=has_rate)
     mapping = proposed_columns(section, has_rate=has_rate)
@@ -396,10 +396,10 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     has_time = has_rate or has_time
     balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
-        values = {"count": len(balls), "names": listed(balls), "first": balls[0]}
+        values = {"count": len(balls), "names": names_text(balls), "first": balls[0]}
         raise broken("several_tracks", values)
     if not has_time or not balls:
-        names = listed([column.path for column in section.columns])
+        names = names_text([column.path for column in section.columns])
         if not any(column.name for column in section.columns):
             raise broken("no_headings", {"count": len(section.columns)})
         wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}

@@ -9,7 +9,7 @@ import { linesOf, roundLevels } from "../../../src/latolato/app/static/js/map/le
 import { misread, spaced, turned } from "../../../src/latolato/app/static/js/map/address.js";
 import { Over } from "../../../src/latolato/app/static/js/map/over.js";
 import { movedBy, scaledBox } from "../../../src/latolato/app/static/js/map/travel.js";
-import { classesOf, wordOf } from "../../../src/latolato/app/static/js/map/words.js";
+import { classesOf, wordOf } from "../../../src/latolato/app/static/js/map/class_words.js";
 import { readEntry } from "../../../src/latolato/app/static/js/page/entry.js";
 import { learnRules } from "../../../src/latolato/app/static/js/model/rules.js";
 import { plainSymbol } from "../../../src/latolato/app/static/js/page/unit_text.js";

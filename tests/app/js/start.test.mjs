@@ -3,7 +3,7 @@ import assert from "node:assert/strict";
 import test from "node:test";
 
 import { poseOf } from "../../../src/latolato/app/static/js/player/motion.js";
-import { anglesOf, limitsOf, rounded, withStart } from
+import { anglesOf, angleLimits, rounded, withStart } from
   "../../../src/latolato/app/static/js/player/start.js";
 
 const RADIANS = Math.PI / 180;
@@ -31,17 +31,17 @@ test("an angle is rounded into its limits", () => {
 
 test("mirrored balls stop where they touch, below and above", () => {
   const motion = { about: {}, low: 0.1, high: Math.PI - 0.1 };
-  const [low, high] = limitsOf(motion, [20], 0);
+  const [low, high] = angleLimits(motion, [20], 0);
   assert.ok(Math.abs(low * RADIANS - 0.1) < 1e-12);
   assert.ok(Math.abs(high * RADIANS - (Math.PI - 0.1)) < 1e-12);
-  assert.deepEqual(limitsOf({ about: {}, low: null, high: null }, [20], 0), [-Infinity, Infinity]);
+  assert.deepEqual(angleLimits({ about: {}, low: null, high: null }, [20], 0), [-Infinity, Infinity]);
 });
 
 test("each of two balls stops at the other", () => {
   const motion = { about: { attributes: { contact_separation: 10 * RADIANS } } };
   const near = (found, wanted) => found.forEach((each, i) => assert.ok(Math.abs(each - wanted[i]) < 1e-9));
-  near(limitsOf(motion, [30, -20], 0), [-10, 330]);
-  near(limitsOf(motion, [30, -20], 1), [-320, 20]);
+  near(angleLimits(motion, [30, -20], 0), [-10, 330]);
+  near(angleLimits(motion, [30, -20], 1), [-320, 20]);
 });
 
 test("whole turns are left out, of both balls alike", () => {

@@ -44,17 +44,17 @@ def pace_warnings(
         if np.max(np.abs(np.rint(ratios) / ratios - 1.0)) > _WHOLE:
             return []
 
-        def listed(rule: str, scales: np.ndarray) -> Sentence:
+        def parts_text(rule: str, scales: np.ndarray) -> Sentence:
             texts = []
             for (begin, end, _), factor, scale in zip(parts, factors, scales, strict=True):
                 ends = {"begin": f"{begin / scale:.2f}", "end": f"{end / scale:.2f}"}
                 texts.append(said(rule, **ends, factor=_number(factor * slow_motion)))
             return joined(texts, ", ")
 
-        paces = listed("pace_from", np.ones(len(parts)))
+        paces = parts_text("pace_from", np.ones(len(parts)))
         known = "" if stiffness else said("pace_known")
         # Times of a part are divided by its own slow motion.
-        each = listed("pace_part", factors)
+        each = parts_text("pace_part", factors)
         return [said("changed_pace", paces=paces, known=known, parts=each)]
     if swing is None or not stiffness or swing.stiffness_sigma > _SURE * swing.stiffness:
         return []

@@ -161,7 +161,7 @@ class Section:
             if len(found) == 1:
                 return found[0]
             if found:
-                places = listed([str(column.position) for column in found])
+                places = names_text([str(column.position) for column in found])
                 tracked = next((c.path for c in found if c.track), None)
                 way_out = None
                 if tracked and len({c.path for c in found}) == len(found):
@@ -170,7 +170,7 @@ class Section:
                 raise broken("alike_columns", values, way_out=way_out)
         if not any(column.name for column in self.columns):
             raise broken("unnamed_columns", {"name": base, "count": len(self.columns)})
-        known = listed([column.path for column in self.columns])
+        known = names_text([column.path for column in self.columns])
         raise broken("no_such_column", {"name": base, "names": known})
 
     def numbers(
@@ -285,12 +285,12 @@ class SourceTable:
         words: list[str] = [Word(self.kind)]
         first = self.sections[0]
         if len(self.sections) > 1:
-            names = listed([section.name for section in self.sections])
+            names = names_text([section.name for section in self.sections])
             words.append(said("sections", count=len(self.sections), names=names))
         elif first.tracks:
             count = len(first.tracks)
             rule = "one_track" if count == 1 else "tracks"
-            words.append(said(rule, count=count, names=listed(first.tracks)))
+            words.append(said(rule, count=count, names=names_text(first.tracks)))
         if not any(column.name for column in first.columns):
             words.append(said("no_names"))
         return joined(words, ", ")
@@ -307,7 +307,7 @@ class SourceTable:
         if name is None:
             if len(names) == 1:
                 return self.sections[0]
-            values = {"count": len(names), "names": listed(names), "first": names[0]}
+            values = {"count": len(names), "names": names_text(names), "first": names[0]}
             raise broken("several_tables", values)
         if name in names:
             return self.sections[names.index(name)]
@@ -628,12 +628,12 @@ def _base_and_unit(text: str) -> tuple[str, str]:
     return match[1].strip(), canonical(unit) or unit.strip()
 
 
-def listed(names: Sequence[str]) -> str:
+def names_text(names: Sequence[str]) -> str:
     """Return names as a list for a sentence, of many the first ones.
 
     Examples
     --------
-    >>> listed(["t", "x"]), listed([f"c{i}" for i in range(90)])[-20:]
+    >>> names_text(["t", "x"]), names_text([f"c{i}" for i in range(90)])[-20:]
     ('t, x', 'c18, c19 and 70 more')
     """
     more = len(names) - _MOST_LISTED

@@ -2,14 +2,14 @@
 
 import { el } from "../page/dom.js";
 import { Form } from "../page/form.js";
-import { inWords } from "../page/words.js";
+import { inWords } from "../page/option_labels.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
 /** @typedef {FieldOption & {required: boolean, is_in_unit_of_parameter: boolean}} Argument */
 /** @typedef {{title: string, options: Record<string, any>, first: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, unit: string, units: import("../page/unit_text.js").Unit[],
- *   low: string, high: string}>}} About
+ *   low: string, high: string}>}} SystemAbout
  *   what the server says about system and drive: texts to begin with, and what diagrams can vary */
 
 // The option that says what a diagram varies, and the two that say between which limits.
@@ -51,7 +51,7 @@ export class ArgumentForm {
    * Show the fields of an analysis.
    * @param {string} name
    * @param {{options: Record<string, Argument>, first: string[]}} analysis
-   * @param {About} about
+   * @param {SystemAbout} about
    * @param {Record<string, string>} typed what was typed before
    */
   build(name, { options, first }, about, typed) {
@@ -93,8 +93,8 @@ export class ArgumentForm {
    * Return an option as its field shows it.
    * @param {string} name
    * @param {Argument} option
-   * @param {About} about
-   * @param {About["parameters"][string] | undefined} varied
+   * @param {SystemAbout} about
+   * @param {SystemAbout["parameters"][string] | undefined} varied
    * @returns {Argument}
    */
   shownAs(name, option, about, varied) {

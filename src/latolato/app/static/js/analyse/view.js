@@ -9,7 +9,7 @@ import { presetField } from "../page/presets.js";
 import { leaveOut } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
 import { FIRST } from "../page/state.js";
-import { inWords } from "../page/words.js";
+import { inWords } from "../page/option_labels.js";
 import { ENGLISH, t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
@@ -35,7 +35,7 @@ export class AnalyseView {
     this.page = page;
     /** @type {Record<string, Analysis>} */
     this.analyses = {};
-    /** @type {import("./arguments.js").About | null} */
+    /** @type {import("./arguments.js").SystemAbout | null} */
     this.about = null;
     this.timer = 0;
     /** What was asked last, to tell whether the result on show is still of what the page says. */
@@ -139,7 +139,7 @@ export class AnalyseView {
       this.laws.error(text, field);
       return;
     }
-    const about = /** @type {import("./arguments.js").About} */ (this.about);
+    const about = /** @type {import("./arguments.js").SystemAbout} */ (this.about);
     this.presets.show(this.request.scenario);
     this.laws.show(about.options);
     this.of.textContent = t("analysisOf", { title: tr(about.title) || t("presetNone"),

@@ -51,7 +51,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
   const isOutsideModel = () => kernels.get(run, "state.is_outside_model") !== 0;
   /** @type {(status: KernelRun["status"]) => KernelRun} */
   const ended = (status) => {
-    const [instants, kinds, ...values] = parts.map(joined);
+    const [instants, kinds, ...values] = parts.map(concatenated);
     return { status, isOutsideModel: isOutsideModel(), reached: Math.min(reached, duration), samples,
       contacts: { times: instants, kinds, values } };
   };
@@ -100,7 +100,7 @@ export function integrate(kernels, prepared, { balls, duration, contact_limit, e
  * Return arrays as one.
  * @param {Float64Array[]} parts
  */
-function joined(parts) {
+function concatenated(parts) {
   const whole = new Float64Array(parts.reduce((size, part) => size + part.length, 0));
   let at = 0;
   for (const part of parts) {

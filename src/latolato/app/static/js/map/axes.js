@@ -50,8 +50,8 @@ export function drawAxes(chart, context, ratio) {
   const { x, y } = /** @type {Grid} */ (chart.grid);
   const { left, top, width, height } = chart.frame();
   const corner = { x: left, y: top + height };
-  drawTicks(context, { ...corner, length: width }, inUnit(chart.ends("x"), x), ratio);
-  drawTicks(context, { ...corner, length: height, isUpright: true }, inUnit(chart.ends("y"), y), ratio);
+  drawTicks(context, { ...corner, length: width }, endsInUnit(chart.ends("x"), x), ratio);
+  drawTicks(context, { ...corner, length: height, isUpright: true }, endsInUnit(chart.ends("y"), y), ratio);
   context.strokeRect(left - 0.5, top - 0.5, width + 1, height + 1);
   context.fillStyle = colour("ink", chart.canvas);
   context.textAlign = "center";
@@ -72,7 +72,7 @@ export function drawAxes(chart, context, ratio) {
  * @param {Grid["x"]} axis
  * @returns {Ends}
  */
-function inUnit([low, high], axis) {
+function endsInUnit([low, high], axis) {
   const size = sizeOf(axis);
   return { low: low / size, high: high / size, log: axis.log };
 }

@@ -8,7 +8,7 @@ import { colourTable, pixelOf } from "./colours.js";
 import { drawContours } from "./contours.js";
 import { cellAt, NOT_YET } from "./grid.js";
 import { drawCross, drawLine, drawTrials } from "./marks.js";
-import { classesOf } from "./words.js";
+import { classesOf } from "./class_words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {{variable: number, scale: string, log: boolean, limits: [number, number]}} Look */
@@ -31,7 +31,7 @@ export class MapChart {
     this.grid = null;
     /** @type {Look} */
     this.look = { variable: 0, scale: "viridis", log: false, limits: [0, 1] };
-    /** @type {import("./curves.js").Line[]} */
+    /** @type {import("./overlay_curves.js").Line[]} */
     this.lines = [];
     /** @type {Contour[]} */
     this.contours = [];

@@ -85,7 +85,7 @@ export function gentleDrive({ options, sweep }) {
  * @param {[Asked, Asked]} asked
  * @returns {[Span, Span]}
  */
-export function spansOf(registry, origin, asked) {
+export function axisSpans(registry, origin, asked) {
   const known = variedBy(registry, origin.options);
   const setBy = (/** @type {string} */ name) => registry.axes[name].sets;
   const usual = Object.keys(origin.sweep?.axes ?? {}).filter((name) => known.includes(name)).slice(0, 2);
@@ -132,7 +132,7 @@ function spanOf(registry, origin, name, asked) {
 function checked(about, span, which) {
   const { label } = about;
   const [first, last] = [`${which}low`, `${which}high`];
-  const words = (/** @type {number} */ value) => inWords(about, value);
+  const words = (/** @type {number} */ value) => quantityText(about, value);
   if (!(span.low < span.high))
     throw new InputError(t("refuseOrder", { label, low: words(span.low), high: words(span.high) }),
       { fields: [first, last] });
@@ -155,8 +155,8 @@ function ruleAgainst(about, value) {
   const isBelow = low !== null && (openLow ? value <= low : value < low);
   const isAbove = high !== null && (openHigh ? value >= high : value > high);
   if (!isBelow && !isAbove) return null;
-  return endsText(low === null ? null : { end: inWords(about, low), is_open: openLow },
-    high === null ? null : { end: inWords(about, high), is_open: openHigh });
+  return endsText(low === null ? null : { end: quantityText(about, low), is_open: openLow },
+    high === null ? null : { end: quantityText(about, high), is_open: openHigh });
 }
 
 /**
@@ -164,7 +164,7 @@ function ruleAgainst(about, value) {
  * @param {Varied} about
  * @param {number} value
  */
-function inWords({ units: [unit] }, value) {
+function quantityText({ units: [unit] }, value) {
   return `${general(value / unit.size)}${unit.name === "1" ? "" : ` ${unit.name}`}`;
 }
 

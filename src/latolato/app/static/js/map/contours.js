@@ -22,7 +22,7 @@ const PLACES = [0.5, 0.35, 0.65, 0.2, 0.8, 0.08, 0.92];
  * @param {number} ratio
  */
 export function drawContours(chart, context, contours, ratio) {
-  const lines = contours.map((each) => ({ text: each.text, points: pointsOf(chart, each) }));
+  const lines = contours.map((each) => ({ text: each.text, points: cornersOf(chart, each) }));
   const path = new Path2D();
   for (const { points } of lines)
     for (let i = 0; i < points.length; i += 2)
@@ -40,7 +40,7 @@ export function drawContours(chart, context, contours, ratio) {
  * @param {MapChart} chart
  * @param {Contour} contour
  */
-function pointsOf(chart, { xs, ys }) {
+function cornersOf(chart, { xs, ys }) {
   const points = new Float64Array(2 * xs.length);
   for (let i = 0; i < xs.length; i += 1) {
     const [x, y] = chart.place(xs[i], ys[i]);

@@ -7,7 +7,7 @@ import { Preview } from "../player/preview.js";
 import { inPagesWords } from "../page/refusals.js";
 import { Runner } from "../player/runner.js";
 import { t } from "../strings.js";
-import { curveText, orbitOptions } from "./curves.js";
+import { curveText, orbitOptions } from "./overlay_curves.js";
 import { cellText, withName } from "./texts.js";
 
 // Beyond it, a run that is computed is announced.
@@ -21,7 +21,7 @@ export class Cursor {
   constructor(view, readout) {
     this.view = view;
     this.readout = readout;
-    /** @type {import("./curves.js").CurvePoint | null} the point of a curve under the cross */
+    /** @type {import("./overlay_curves.js").CurvePoint | null} the point of a curve under the cross */
     this.orbit = null;
   }
 
@@ -64,7 +64,7 @@ export class Cursor {
     const point = this.shownOrbit();
     const first = chart.cross && over.pointAt(chart.cross, Infinity);
     if (!point && !first) return;
-    const { curve, i } = /** @type {import("./curves.js").CurvePoint} */ (point ?? first);
+    const { curve, i } = /** @type {import("./overlay_curves.js").CurvePoint} */ (point ?? first);
     const next = i + (point ? by : 0);
     if (!(chart.cell(curve.xs[next], curve.ys[next]) >= 0)) return;
     this.putOn({ curve, i: next });
@@ -73,7 +73,7 @@ export class Cursor {
 
   /**
    * Put the cross on a point of a curve.
-   * @param {import("./curves.js").CurvePoint} point
+   * @param {import("./overlay_curves.js").CurvePoint} point
    */
   putOn({ curve, i }) {
     this.orbit = { curve, i };

@@ -5,7 +5,7 @@ import { FileQueue, fileOf } from "../page/jobs.js";
 import { t } from "../strings.js";
 import { lookOf } from "./colours.js";
 import { pictureOf } from "./image.js";
-import { csvOf, tablesOf } from "./table.js";
+import { csvOf, mapTables } from "./table.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
@@ -25,7 +25,7 @@ export class MapFiles {
     this.files = new FileQueue();
     const { server } = view.page.registry;
     const entry = (/** @type {string} */ kind) => el("li", {},
-      el("button", { type: "button", on: { click: () => void this.store(kind) } }, t(textOf(kind))),
+      el("button", { type: "button", on: { click: () => void this.store(kind) } }, t(fileText(kind))),
       el("span", { class: "soft" }, ` ${t(`mapFileHint_${kind}`)}`));
     this.root = el("details", { class: "card downloads", on: {
       keydown: (/** @type {KeyboardEvent} */ event) => {
@@ -51,14 +51,14 @@ export class MapFiles {
     }
     try {
       const name = baseOf(view);
-      if (kind === "screen") keep(await pictureOf(view), name, "png", 0);
+      if (kind === "screen") saveMap(await pictureOf(view), name, "png", 0);
       else if (kind === "csv" && question)
-        keep(new Blob([csvOf(question, grid)], { type: "text/csv" }), name, kind, grid.width * grid.height - grid.done);
+        saveMap(new Blob([csvOf(question, grid)], { type: "text/csv" }), name, kind, grid.width * grid.height - grid.done);
       else {
         const request = { kind, ...fileRequestOf(view, grid) };
-        await files.add(t(textOf(kind)), async () => {
+        await files.add(t(fileText(kind)), async () => {
           const block = await job.run("ws/map/file", request);
-          if (block) keep(fileOf(block, "file", block.about.type), name, kind, block.about.missing);
+          if (block) saveMap(fileOf(block, "file", block.about.type), name, kind, block.about.missing);
         });
       }
     } catch (error) {
@@ -77,7 +77,7 @@ export class MapFiles {
  * Return the name of the text for a kind of file.
  * @param {string} kind
  */
-function textOf(kind) {
+function fileText(kind) {
   return NAMES[kind] ?? `file_${kind}`;
 }
 
@@ -96,7 +96,7 @@ function baseOf({ request: { scenario, stored }, question }) {
  * @param {string} ending
  * @param {number} missing points that are not computed
  */
-function keep(file, base, ending, missing) {
+function saveMap(file, base, ending, missing) {
   const name = `${base}${missing ? ".unfinished" : ""}.${ending}`;
   saveFile(file, name);
   notify(t(missing ? "mapStoredPart" : "stored", { name, missing }));
@@ -114,7 +114,7 @@ function fileRequestOf({ chart, over, page, question, request }, grid) {
   const contours = over.question();
   const contoured = contours && grid.variables[contours.variable];
   const levels = [...new Set(chart.contours.map(({ level }) => level))];
-  const map = question ? tablesOf(question) : { stored: request.stored, select: request.select };
+  const map = question ? mapTables(question) : { stored: request.stored, select: request.select };
   return { ...map, xlog: grid.x.log, ylog: grid.y.log, observable: name, ball, scale, log, limits,
     contours: contoured && levels.length
       ? { observable: contoured.name, ball: contoured.ball, levels } : null,

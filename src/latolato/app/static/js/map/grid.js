@@ -8,7 +8,7 @@ import { before, range } from "../player/motion.js";
  * `laws` all that system and drive are of.
  * @typedef {{observable: string, title: string, statuses: string[], variables: Variable[],
  *   parameters: Record<string, number>, laws: Record<string, any>, has_contact: boolean, python: string,
- *   command: string, stored?: Stored}} About
+ *   command: string, stored?: Stored}} MapAbout
  *
  * An axis: what varies along it, and the middles and borders of its cells [SI].
  * @typedef {{name: string, label: string, symbol: string, unit: string, log: boolean,
@@ -30,7 +30,7 @@ import { before, range } from "../player/motion.js";
  */
 /** @typedef {{name: string, ball: string | null, label: string, symbol: string, unit: string,
  *   units: {name: string, size: number}[], classes: [string, string][], log?: boolean,
- *   scale?: string, words: import("./words.js").Words}} Variable `log` and `scale` are the usual
+ *   scale?: string, words: import("./class_words.js").Words}} Variable `log` and `scale` are the usual
  *   colours */
 
 /** The status of a cell whose point is not computed. */
@@ -50,7 +50,7 @@ export function cellAt(edges, value) {
 
 export class Grid {
   /**
-   * @param {About} about
+   * @param {MapAbout} about
    * @param {Axis} x
    * @param {Axis} y
    * @param {(cell: number) => Record<string, any>} optionsOf returns the options of the run of a cell

@@ -58,8 +58,8 @@ export function linesOf(grid, variable, levels) {
   const isSmall = Math.min(x.length, y.length) < FEW;
   const kept = all.filter(({ xs, ys }) => isSmall || Math.max(extent(xs), extent(ys)) >= TINY);
   return { tiny: all.length - kept.length, lines: kept.map(({ level, xs, ys }) => ({ level,
-    xs: xs.map((place) => valueAt(x, place, grid.x.log)),
-    ys: ys.map((place) => valueAt(y, place, grid.y.log)) })) };
+    xs: xs.map((place) => valueAtPlace(x, place, grid.x.log)),
+    ys: ys.map((place) => valueAtPlace(y, place, grid.y.log)) })) };
 }
 
 /**
@@ -96,7 +96,7 @@ function extent(numbers) {
  * @param {number} place
  * @param {boolean} log
  */
-function valueAt(values, place, log) {
+function valueAtPlace(values, place, log) {
   const i = Math.min(Math.floor(place), values.length - 2);
   const [a, b] = [values[i], values[i + 1]];
   return log ? a * (b / a) ** (place - i) : a + (b - a) * (place - i);

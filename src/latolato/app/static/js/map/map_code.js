@@ -1,6 +1,6 @@
 /** The lines of Python and of the command line that compute a map again. */
 
-import { constructor, isUsual, literal, runArguments } from "../model/run_code.js";
+import { constructor, isUsual, optionLiteral, runArguments } from "../model/run_code.js";
 
 /** @typedef {import("./question.js").MapQuestion} MapQuestion */
 
@@ -67,7 +67,7 @@ export function sweepCommand(question) {
 
 /** @param {import("./choices.js").Span} axis */
 function ends({ low, high }) {
-  return [low, high].map((end) => literal(/** @type {any} */ (NUMBER), end));
+  return [low, high].map((end) => optionLiteral(/** @type {any} */ (NUMBER), end));
 }
 
 /**
@@ -88,7 +88,7 @@ function numbers({ registry, duration, transient, periods }) {
   const all = Object.entries({ duration, tolerance: registry.sweep_tolerance, transient,
     transient_periods: periods });
   return all.filter(([, value]) => value)
-    .map(([name, value]) => [name, literal(/** @type {any} */ (NUMBER), value)]);
+    .map(([name, value]) => [name, optionLiteral(/** @type {any} */ (NUMBER), value)]);
 }
 
 /**
@@ -108,7 +108,7 @@ function changed({ layout }, { name, parameters }) {
  */
 function inPython(question, watched) {
   const own = changed(question, watched).map(([name, value]) =>
-    `${name}=${literal(/** @type {any} */ (NUMBER), value)}`);
+    `${name}=${optionLiteral(/** @type {any} */ (NUMBER), value)}`);
   return own.length
     ? `ll.observables.${question.registry.observables[watched.name].title}(${own.join(", ")})`
     : `'${watched.name}'`;

@@ -24,7 +24,7 @@ export const CLASSES = ["none", "weak", "strong"];
  * its special points.
  * @param {MapChart} chart
  * @param {CanvasRenderingContext2D} context
- * @param {import("./curves.js").Line} line
+ * @param {import("./overlay_curves.js").Line} line
  * @param {number} ratio
  */
 export function drawLine(chart, context, { xs, ys, edges, colour: paint, marks }, ratio) {

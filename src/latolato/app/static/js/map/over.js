@@ -6,10 +6,10 @@ import { inPagesWords } from "../page/refusals.js";
 import { loadText } from "../kernels/files.js";
 import { sizeOf } from "./axes.js";
 import { lookOf } from "./colours.js";
-import { holdsCurves, parseCurves, placedCurve, pointNear } from "./curves.js";
+import { holdsCurves, parseCurves, placedCurve, pointNear } from "./overlay_curves.js";
 import { linesOf, MOST_LEVELS, roundLevels } from "./levels.js";
 import { OF_COLOURS } from "./overcontrols.js";
-import { withUnit } from "./texts.js";
+import { valueWithUnit } from "./texts.js";
 import { liftOff, Placing, tongue } from "./theory.js";
 import { parseTrials, placedTrials } from "./trials.js";
 import { t } from "../strings.js";
@@ -32,7 +32,7 @@ export class Over {
   /** @param {import("./view.js").MapView} view */
   constructor(view) {
     this.view = view;
-    /** @type {import("./curves.js").Line[]} of theory and of bifurcations over the map on show */
+    /** @type {import("./overlay_curves.js").Line[]} of theory and of bifurcations over the map on show */
     this.lines = [];
     /** @type {string | null} text of a trial table */
     this.trials = null;
@@ -123,7 +123,7 @@ export class Over {
 
   /** Return the curves of bifurcations that are switched on. */
   shownCurves() {
-    return /** @type {import("./curves.js").PlacedCurve[]} */ (this.shown().filter((line) => "kind" in line));
+    return /** @type {import("./overlay_curves.js").PlacedCurve[]} */ (this.shown().filter((line) => "kind" in line));
   }
 
   /**
@@ -199,7 +199,7 @@ function contoursOf(grid, { variable, levels, log }) {
       .slice(0, MOST_LEVELS);
   const { lines, tiny } = linesOf(grid, variable, all);
   return { levels: all, lines: lines.length, tiny,
-    contours: lines.map((line) => ({ ...line, text: withUnit(about, line.level) })) };
+    contours: lines.map((line) => ({ ...line, text: valueWithUnit(about, line.level) })) };
 }
 
 /**

@@ -85,7 +85,7 @@ export class OverControls {
 
   /**
    * Show which lines there are, and why others are not.
-   * @param {import("./curves.js").Line[]} lines
+   * @param {import("./overlay_curves.js").Line[]} lines
    * @param {string[]} notes
    * @param {() => string[]} off returns the names of those that are switched off, also of other maps
    */

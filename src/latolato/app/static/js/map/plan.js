@@ -73,7 +73,7 @@ export function inOrder(width, height) {
 export function pointsOf(layout, plan, cells) {
   const { angles = 1, in_plane, drive, x, y, observables, duration, contact, contact_limit } = plan;
   const count = cells.length;
-  const columns = columnsOf(plan, cells);
+  const columns = parametersOf(plan, cells);
   /** @type {Record<string, any>} */
   const parameters = {};
   /** @type {Record<string, any>} */
@@ -82,7 +82,7 @@ export function pointsOf(layout, plan, cells) {
   const noise = {};
   const isOfDrive = new Set(layout.bundles.shaking.map(({ name }) => name));
   for (const [name, column] of Object.entries(columns)) {
-    const path = pathOf(layout, name, angles);
+    const path = fieldOf(layout, name, angles);
     if (path) parameters[path] = column;
     else if (isOfDrive.has(`drive.${name}`)) shaken[name] = column;
     else if (name.startsWith("noise_")) noise[name] = column;
@@ -107,7 +107,7 @@ export function pointsOf(layout, plan, cells) {
  * @param {Plan} plan
  * @param {ArrayLike<number>} cells
  */
-function columnsOf({ angles = 1, parameters, x, y }, cells) {
+function parametersOf({ angles = 1, parameters, x, y }, cells) {
   /** @type {Record<string, any>} */
   const columns = { ...parameters };
   const width = x.values.length;
@@ -172,7 +172,7 @@ function each(count, columns, formula) {
  * @param {string} name
  * @param {number} angles
  */
-function pathOf({ records }, name, angles) {
+function fieldOf({ records }, name, angles) {
   if (angles === 1 && START.includes(name)) return `${name}.0`;
   if (angles === 1 && name in records.ball.fields) return `balls.0.${name}`;
   for (const [i, side] of SIDES.slice(0, angles === 1 ? 0 : 2).entries()) {

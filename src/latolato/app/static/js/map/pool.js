@@ -143,7 +143,7 @@ export class Pool {
 
   /** @param {Job} job */
   async begin(job) {
-    const start = await startOf(moduleOf(job.plan));
+    const start = await workerStart(moduleOf(job.plan));
     if (job !== this.job) return;
     job.start = start;
     if (job.kind === "lanes") job.least = FILLS * start.layout.lanes.lanes;
@@ -177,7 +177,7 @@ export class Pool {
    * @param {string} name of their module
    */
   async warm(name) {
-    const start = await startOf(name);
+    const start = await workerStart(name);
     if (!this.job) this.fill(start);
   }
 
@@ -281,7 +281,7 @@ export class Pool {
  * @param {string} name of its module
  * @returns {Promise<WorkerStart>}
  */
-async function startOf(name) {
+async function workerStart(name) {
   const [layout, module] = await Promise.all([loadLayout(), loadModule(name)]);
   return { name, layout, module };
 }

@@ -8,12 +8,12 @@ import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../m
 import { optionsOf, partsOf, withoutAlternatives, withoutRatios } from "../model/options.js";
 import { brokenRule, checkedNumber, general, InputError, refusal, unknown } from "../model/rules.js";
 import { t } from "../strings.js";
-import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
+import { gentleDrive, isOfStrings, axisSpans, watchedOf } from "./choices.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("./choices.js").Span} Span */
-/** @typedef {import("./grid.js").Axis & Span} Axis */
+/** @typedef {import("./grid.js").Axis & Span} SpannedAxis */
 
 /**
  * What a page asks for; null leaves the choice to what the scenario says. With a stride, only every
@@ -25,7 +25,7 @@ import { gentleDrive, isOfStrings, spansOf, watchedOf } from "./choices.js";
  * A map that can be computed: every option of its runs in SI units, its axes and their values, what
  * is gathered and which variable of that is shown.
  * @typedef {{registry: Registry, layout: Layout, request: MapRequest, options: Record<string, any>,
- *   title: string, x: Axis, y: Axis, watched: import("./choices.js").Watched[],
+ *   title: string, x: SpannedAxis, y: SpannedAxis, watched: import("./choices.js").Watched[],
  *   shown: string, choices: import("./choices.js").Choice[], duration: number, transient: number,
  *   periods: number, plan: import("./plan.js").Plan}} MapQuestion
  */
@@ -69,7 +69,7 @@ export async function questionOf(registry, layout, request) {
   const { duration, transient, periods } = timesOf(registry, layout, request, options, sweep);
   const origin = { options, sweep };
   const { watched, shown, choices } = watchedOf(registry, layout, origin, request.observable);
-  const [x, y] = spansOf(registry, origin, [askedX, askedY])
+  const [x, y] = axisSpans(registry, origin, [askedX, askedY])
     .map((span, k) => axisOf(registry, span, k ? height : width));
   checkVaried(registry, system, drive, [x, y]);
   const friction = [x, y].filter(({ name }) => name.endsWith("coulomb_damping")).map(({ high }) => high);
@@ -92,7 +92,7 @@ export async function questionOf(registry, layout, request) {
     angles: /** @type {1 | 2} */ (system.angles), in_plane: inPlane, drive: drive.kind,
     parameters: { ...Object.fromEntries(Object.entries({
       ...Object.fromEntries(own.map((name) => [name, options[name]])), ...drive.parameters,
-      ...startOf(registry, system, options, [x.name, y.name]) }).filter(isFixed)), ...noise, restitution: system.restitution,
+      ...startValues(registry, system, options, [x.name, y.name]) }).filter(isFixed)), ...noise, restitution: system.restitution,
       string_restitution: system.string_restitution, is_string: Number(system.suspension === "string"),
       in_lab: Number(system.drag_frame === "lab"),
       tolerance: registry.sweep_tolerance, rest_speed: number("rest_speed"), step: law.clampStep,
@@ -180,7 +180,7 @@ function timesOf(registry, layout, request, options, sweep) {
  * @param {Record<string, any>} options
  * @param {string[]} varied
  */
-function startOf(registry, system, options, varied) {
+function startValues(registry, system, options, varied) {
   const sides = system.angles === 1 ? [""] : SIDES;
   /** @type {Record<string, number>} */
   const start = {};
@@ -221,11 +221,11 @@ function checkWatched(registry, layout, watched, drive, contact) {
  * @param {Registry} registry
  * @param {Span} span
  * @param {number} count of the cells
- * @returns {Axis}
+ * @returns {SpannedAxis}
  */
 function axisOf({ axes }, span, count) {
   const { label, symbol, unit, units, low, high } = axes[span.name];
-  const values = valuesOf(span, count);
+  const values = cellValues(span, count);
   return { ...span, label, symbol, unit, units, allowed: [low, high], values, edges: edgesOf(values, span.log) };
 }
 
@@ -234,7 +234,7 @@ function axisOf({ axes }, span, count) {
  * @param {Span} span
  * @param {number} count
  */
-function valuesOf({ low, high, log }, count) {
+function cellValues({ low, high, log }, count) {
   const [first, last] = log ? [Math.log10(low), Math.log10(high)] : [low, high];
   const step = (last - first) / (count - 1);
   const values = Float64Array.from({ length: count }, (_, i) => i * step + first);

@@ -1,6 +1,6 @@
 /** A computed map as tables: a scenario of its sweep, and a file of comma-separated values. */
 
-import { column as columnOf, csv, tablesOf as tablesOfRun } from "../model/run_files.js";
+import { column as columnOf, csv, tablesOf } from "../model/run_files.js";
 import { InputError } from "../model/rules.js";
 import { NOT_YET } from "./grid.js";
 import { t } from "../strings.js";
@@ -14,7 +14,7 @@ const FORMAT = 1;
  * Return a map as the options of its runs and its sweep, which the installed program computes.
  * @param {MapQuestion} question
  */
-export function tablesOf({ registry, options, x, y, plan, watched, duration, transient, periods }) {
+export function mapTables({ registry, options, x, y, plan, watched, duration, transient, periods }) {
   const varied = [x, y].map(({ name }) => registry.axes[name].sets);
   const gone = ["times", "samples", "frame",
     ...(varied.includes("initial_angle") ? ["initial_angle", "initial_offset"] : [])];
@@ -53,7 +53,7 @@ export function csvOf(question, grid) {
       (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]])),
   ];
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
-    rounding: "page", ...attributesOf(question),
+    rounding: "page", ...constantsOf(question),
     ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is 'missing' there` } : {}),
     plan: JSON.stringify(described(question)), format: FORMAT };
   return csv(registry, about, columns, own.length);
@@ -63,7 +63,7 @@ export function csvOf(question, grid) {
  * Return the parameters that do not vary.
  * @param {MapQuestion} question
  */
-function attributesOf({ registry, options, x, y, duration, transient, periods }) {
+function constantsOf({ registry, options, x, y, duration, transient, periods }) {
   const varied = [x, y].flatMap(({ name }) => [name, registry.axes[name].sets]);
   const all = { ...options, duration, transient, transient_periods: periods,
     tolerance: registry.sweep_tolerance };
@@ -77,7 +77,7 @@ function attributesOf({ registry, options, x, y, duration, transient, periods })
  * @param {MapQuestion} question
  */
 function described({ registry, options, plan, watched, duration, transient, periods }) {
-  const { system, drive, noise } = tablesOfRun(registry, options);
+  const { system, drive, noise } = tablesOf(registry, options);
   const { parameters, x, y } = plan;
   const start = Object.fromEntries(Object.entries(parameters).filter(([name]) => name.startsWith("initial_")));
   return {

@@ -5,7 +5,7 @@ import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { sizeOf } from "./axes.js";
 import { CLASSES, SIGNS } from "./marks.js";
-import { classesOf, wordOf } from "./words.js";
+import { classesOf, wordOf } from "./class_words.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
@@ -18,7 +18,7 @@ const GAP = "\u00a0";
  * @param {{units: {name: string, size: number}[]}} about
  * @param {number} value in SI units
  */
-export function withUnit(about, value) {
+export function valueWithUnit(about, value) {
   const unit = shownUnit(about.units[0]?.name ?? "");
   const gap = unit && !unit.startsWith("°") ? GAP : "";
   return `${localShort(value / sizeOf(about), 4)}${gap}${unit}`;
@@ -30,7 +30,7 @@ export function withUnit(about, value) {
  * @param {number} value in SI units
  */
 export function withName(axis, value) {
-  return `${plainSymbol(axis.symbol) || axis.label}${GAP}=${GAP}${withUnit(axis, value)}`;
+  return `${plainSymbol(axis.symbol) || axis.label}${GAP}=${GAP}${valueWithUnit(axis, value)}`;
 }
 
 /**
@@ -45,7 +45,7 @@ export function cellText(grid, cell, k) {
   const variable = grid.variables[k];
   const value = grid.values[k][cell];
   const lack = grid.lack(cell, k);
-  let words = withUnit(variable, value);
+  let words = valueWithUnit(variable, value);
   if (lack) words = t(lack, { status: grid.about.statuses[grid.status[cell]] });
   else if (variable.words) words = wordOf(variable, value);
   else if (variable.classes.length) words = variable.classes[Math.round(value)]?.[0] ?? "";
@@ -67,7 +67,7 @@ export function kindText(label, isEdge) {
  * Return the entries that explain colours of classes, cells without an answer, zeros, lines, trials and contour lines.
  * @param {Grid} grid
  * @param {import("./chart.js").Look} look
- * @param {{lines: import("./curves.js").Line[], trials: boolean, contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
+ * @param {{lines: import("./overlay_curves.js").Line[], trials: boolean, contours: Variable | null, registry: Pick<import("../model/registry.js").Registry, "curves">}} over
  */
 export function legend(grid, { variable: k, log }, { lines, trials, contours, registry }) {
   const entry = (/** @type {string} */ text, /** @type {string} */ paint) => {

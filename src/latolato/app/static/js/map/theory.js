@@ -5,7 +5,7 @@ import { changeBetween, tongueEdges } from "../model/tongue.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
-/** @typedef {import("./curves.js").Line} Line */
+/** @typedef {import("./overlay_curves.js").Line} Line */
 /** @typedef {{amplitude: number, frequency: number}} TheoryDrive in m and rad/s */
 
 const AMPLITUDES = ["drive_amplitude", "amplitude_ratio", "drive_acceleration_ratio"];
@@ -128,7 +128,7 @@ export function tongue(placing) {
   if (isClosed(largest)) return placing.line("tongue", t("mapTongue"), []);
   const tip = damping > 0 ? changeBetween(isClosed, 0, largest) : 0;
   // Denser near the tip, where a damped tongue is round.
-  const amplitudes = evenly(0, 1, SAMPLES).map((share) => tip + (largest - tip) * share ** 2);
+  const amplitudes = evenlyBetween(0, 1, SAMPLES).map((share) => tip + (largest - tip) * share ** 2);
   const sides = amplitudes.map(edges);
   const drives = (/** @type {0 | 1} */ side) => amplitudes.map((amplitude, i) => {
     const ratio = sides[i][side];
@@ -147,8 +147,8 @@ export function liftOff(placing) {
     throw brokenRule("lift_off");
   const [slow, fast] = placing.frequencies();
   // Even also along a logarithmic axis.
-  const frequencies = [...evenly(slow, fast, SAMPLES),
-    ...evenly(Math.log(slow), Math.log(fast), SAMPLES).map(Math.exp)].sort((a, b) => a - b);
+  const frequencies = [...evenlyBetween(slow, fast, SAMPLES),
+    ...evenlyBetween(Math.log(slow), Math.log(fast), SAMPLES).map(Math.exp)].sort((a, b) => a - b);
   const drives = frequencies.map((frequency) =>
     ({ amplitude: placing.gravity / frequency ** 2, frequency }));
   return placing.line("lift", t("mapLift"), drives, false);
@@ -159,6 +159,6 @@ export function liftOff(placing) {
  * @param {number} high
  * @param {number} count
  */
-function evenly(low, high, count) {
+function evenlyBetween(low, high, count) {
   return Array.from({ length: count }, (_, i) => low + (high - low) * (i / (count - 1)));
 }

@@ -57,7 +57,7 @@ export function parseTrials(registry, text) {
     const cells = values.map((value) => (value && `${value} ${written}`.trim()));
     if (!Object.hasOwn(units, name) || !cells.some(Boolean)) continue;
     const unit = units[name];
-    read.set(name, unit === null ? cells : numbersOf(registry, name, cells, unit));
+    read.set(name, unit === null ? cells : columnNumbers(registry, name, cells, unit));
   }
   const gravity = gravityOf(registry, lines);
   const kinds = read.get("class")?.map(numberOfClass);
@@ -113,7 +113,7 @@ function gravityOf(registry, lines) {
  * @param {string[]} cells
  * @param {string} unit
  */
-function numbersOf(registry, name, cells, unit) {
+function columnNumbers(registry, name, cells, unit) {
   return cells.map((cell, i) => {
     if (!cell) return NaN;
     try {

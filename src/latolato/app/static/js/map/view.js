@@ -228,7 +228,7 @@ export class MapView {
     return this.run !== null;
   }
 
-  /** @param {import("./grid.js").About} about */
+  /** @param {import("./grid.js").MapAbout} about */
   begin({ python, command }) {
     this.form.error(null);
     this.code.replaceChildren(...codeBlocks([python, command]));

@@ -194,9 +194,9 @@ export class Screen {
       const flag = track.flag(clock.index, b);
       const paint = colour(`flag-${flag}`, canvas);
       this.ball(context, hinge, at, radius, paint, DASHES[flag].map((d) => d * ratio));
-      drawCross(context, at, 3 * ratio, paint, ratio);
+      drawBallCross(context, at, 3 * ratio, paint, ratio);
     });
-    drawCross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
+    drawBallCross(context, hinge, 0.5 * radius + 3 * ratio, "#ffffff", ratio);
   }
 
   /**
@@ -232,6 +232,6 @@ export class Screen {
  * @param {string} paint
  * @param {number} ratio
  */
-function drawCross(context, { x, y }, reach, paint, ratio) {
+function drawBallCross(context, { x, y }, reach, paint, ratio) {
   if (Number.isFinite(x + y)) outline(context, cross(x, y, reach), [DARK, 3.5 * ratio], [paint, 1.5 * ratio]);
 }

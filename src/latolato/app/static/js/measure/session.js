@@ -12,7 +12,7 @@ import { Track } from "./track.js";
 /**
  * @typedef {{width: number, height: number, frames: number, duration: number,
  *   clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean},
- *   proposal: {pivot: number[] | null, balls: number[][], radius: number, click_frame: number} | null}} About
+ *   proposal: {pivot: number[] | null, balls: number[][], radius: number, click_frame: number} | null}} ClipAbout
  * @typedef {{name: string, value: number, sigma: number, units: string,
  *   given?: Record<string, number>}} Answer
  */
@@ -27,7 +27,7 @@ import { Track } from "./track.js";
 function newClip(id, name, file) {
   return { id, name, file, key: "", epoch: 0, url: "",
     /** What the server saw in a video, or recognised in a table. */
-    about: /** @type {About | null} */ (null), sheet: /** @type {import("./sheet.js").Sheet | null} */ (null),
+    about: /** @type {ClipAbout | null} */ (null), sheet: /** @type {import("./sheet.js").Sheet | null} */ (null),
     times: /** @type {ArrayLike<number>} */ ([0]), radius: 0,
     hasPivot: false, hasBalls: false, proposed: /** @type {Record<string, HandlePlace>} */ ({}),
     /** What somebody chose. */
@@ -192,7 +192,7 @@ export class Session {
     const { proposal, width, height } = about;
     clip.hasPivot = Boolean(proposal?.pivot);
     clip.hasBalls = Boolean(proposal);
-    clip.proposed = placesOf(about);
+    clip.proposed = proposedPlaces(about);
     clip.radius = proposal?.radius ?? 0.03 * Math.min(width, height);
     if (isNew) {
       clip.places = { ...toolPlaces(about), ...clip.proposed };
@@ -312,7 +312,7 @@ export function isSeen({ about, sheet }) {
  * @param {any} about
  * @returns {Record<string, HandlePlace>}
  */
-function placesOf({ width, height, proposal }) {
+function proposedPlaces({ width, height, proposal }) {
   const place = (/** @type {number[]} */ [u, v]) => ({ u, v });
   const balls = proposal?.balls ?? [[0.6 * width, 0.7 * height]];
   /** @type {Record<string, HandlePlace>} */

@@ -6,7 +6,7 @@ import { choice } from "../page/fields.js";
 import { Form } from "../page/form.js";
 import { leaveOut } from "../page/link_parts.js";
 import { short } from "../page/unit_text.js";
-import { withLabels } from "../page/words.js";
+import { withLabels } from "../page/option_labels.js";
 import { t } from "../strings.js";
 import { isSeen } from "./session.js";
 import { openOf } from "./sheet.js";

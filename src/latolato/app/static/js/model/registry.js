@@ -33,7 +33,7 @@
  * the colours of the reproduction report, logarithmic or not. Contact words have `words`.
  * @typedef {{title: string, description: string, variables: Record<string, {unit: string, symbol: string,
  *   label: string, units: {name: string, size: number}[], classes: [string, string][], log: boolean,
- *   scale: string, words: import("../map/words.js").Words}>}} Observable
+ *   scale: string, words: import("../map/class_words.js").Words}>}} Observable
  *
  * @typedef {{title: string, question: string, description: string, figure: string, given: Record<string, any>,
  *   options: Record<string, any>, sweep: any, curves?: string | null}} Preset `curves` is the path of the

@@ -36,7 +36,7 @@ export function runArguments(registry, options, gone = []) {
     option.owner === owner && !gone.includes(name) && !isUsual(option, options[name]));
   const written = (/** @type {[string, Option]} */ [name, option]) => {
     const law = name === "contact" ? laws[options[name]] : null;
-    return `${name}=${law?.options.length ? constructor(registry, law, options) : literal(option, options[name])}`;
+    return `${name}=${law?.options.length ? constructor(registry, law, options) : optionLiteral(option, options[name])}`;
   };
   const noise = given("noise").map(written);
   return [...given("run").filter(([name]) => !Object.values(laws).some((law) => law.options.includes(name))).map(written),
@@ -58,7 +58,7 @@ export function constructor(registry, law, options) {
     if (isUsual(option, options[name])) continue;
     const [outer, inner] = option.path;
     const key = inner === undefined ? "" : outer;
-    parts.set(key, [...parts.get(key) ?? [], `${inner ?? outer}=${literal(option, options[name])}`]);
+    parts.set(key, [...parts.get(key) ?? [], `${inner ?? outer}=${optionLiteral(option, options[name])}`]);
   }
   const own = parts.get("") ?? [];
   const balls = [...parts].filter(([key]) => key).map(([key, each]) => `${key}=ll.Ball(${each.join(", ")})`);
@@ -73,8 +73,8 @@ export const isUsual = (option, value) => value === undefined || value === null 
  * @param {any} value
  * @returns {string}
  */
-export function literal(option, value) {
-  if (Array.isArray(value)) return `[${value.map((each) => literal(option, each)).join(", ")}]`;
+export function optionLiteral(option, value) {
+  if (Array.isArray(value)) return `[${value.map((each) => optionLiteral(option, each)).join(", ")}]`;
   if (typeof value === "boolean") return value ? "True" : "False";
   if (typeof value === "string") return `'${value}'`;
   return number(option, value);

@@ -141,7 +141,7 @@ export function column(name, { unit, shownUnit, label }, at) {
  */
 export function csv(registry, attributes, columns, count) {
   const above = Object.entries(attributes).map(([name, value]) =>
-    `# ${withUnit(registry, name)}: ${typeof value === "string" ? value : json(value)}`);
+    `# ${headWithUnit(registry, name)}: ${typeof value === "string" ? value : json(value)}`);
   const lines = [...above, ...columns.map(({ title }) => title), columns.map(({ head }) => head).join(",")];
   for (let i = 0; i < count; i += 1)
     lines.push(columns.map(({ at }) => String(at(i)).replace("NaN", "nan").replace("Infinity", "inf")).join(","));
@@ -153,7 +153,7 @@ export function csv(registry, attributes, columns, count) {
  * @param {Registry} registry
  * @param {string} name
  */
-function withUnit({ quantities }, name) {
+function headWithUnit({ quantities }, name) {
   const { unit = "1" } = quantities[name.replace(/^(right|left)_/, "")] ?? {};
   return unit === "1" ? name : `${name} [${unit}]`;
 }

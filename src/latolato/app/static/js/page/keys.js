@@ -72,7 +72,7 @@ export class KeyList {
 
   open() {
     this.rows.replaceChildren(...this.sections().flatMap(({ title, actions }) => [
-      el("h2", {}, title), el("dl", {}, ...rowsOf(actions))]));
+      el("h2", {}, title), el("dl", {}, ...keyRows(actions))]));
     this.dialog.showModal();
   }
 }
@@ -81,7 +81,7 @@ export class KeyList {
  * The keys with what they do, those together that do the same.
  * @param {KeyActions} actions
  */
-function rowsOf(actions) {
+function keyRows(actions) {
   const texts = [...new Set(Object.values(actions).map(({ text }) => text))];
   return texts.flatMap((text) => {
     const keys = Object.keys(actions).filter((key) => actions[key].text === text);

@@ -285,7 +285,7 @@ function newestOf(log, from, to) {
  * Return how a toy hangs and how its hand moves.
  * @param {Motion} motion
  */
-export function startOf(motion) {
+export function startSentence(motion) {
   const { drive, drive_amplitude: amplitude, drive_frequency: frequency } = motion.about.options;
   const moves = amplitude > 0 && frequency > 0 ? "shakes" : drive === "fixed_pivot" || amplitude === 0
     ? "still" : "moves";

@@ -1,6 +1,6 @@
 /** When to say something about a motion: a sentence at a time, as fast as a person can follow. */
 
-import { bestSentence, inText, isNews, placesOf, startOf } from "./describe.js";
+import { bestSentence, inText, isNews, placesOf, startSentence } from "./describe.js";
 import { logOf } from "./events.js";
 
 /** @typedef {import("./describe.js").SpokenSentence} SpokenSentence */
@@ -75,7 +75,7 @@ export class LiveRegion {
     this.from = this.since = 0;
     this.last = null;
     this.describe(0);
-    if (this.isPlaying) this.announce([startOf(motion)]);
+    if (this.isPlaying) this.announce([startSentence(motion)]);
   }
 
   /**
@@ -114,7 +114,7 @@ export class LiveRegion {
     const now = motion.about.options;
     const names = Object.keys(now).filter((name) => JSON.stringify(now[name]) !== JSON.stringify(before[name]));
     const isOther = names.length > MOST_CHANGES || now.system !== before.system;
-    this.announce(isOther ? [startOf(motion)]
+    this.announce(isOther ? [startSentence(motion)]
       : names.flatMap((name) => this.changed(name, before[name], now[name])));
   }
 
@@ -146,7 +146,7 @@ export class LiveRegion {
     if (ends) this.pause();
     if (begins) this.from = time;
     if (!isPlaying) return;
-    if (begins && time < 1) this.announce([startOf(motion)]);
+    if (begins && time < 1) this.announce([startSentence(motion)]);
     else if (performance.now() - this.announcedAt > GAP) this.follow();
   }
 
@@ -176,7 +176,7 @@ export class LiveRegion {
     if (!motion) return;
     const now = bestSentence(this.log, time - GAP / 1000, time, this.since);
     this.describe(time);
-    this.announce([startOf(motion), ...(now ? [now] : []), ...placesOf(motion, time)]);
+    this.announce([startSentence(motion), ...(now ? [now] : []), ...placesOf(motion, time)]);
   }
 
   /**
@@ -186,7 +186,7 @@ export class LiveRegion {
   describe(time) {
     const { motion } = this;
     if (!motion) return;
-    this.about.textContent = inText([startOf(motion), ...placesOf(motion, time)]);
+    this.about.textContent = inText([startSentence(motion), ...placesOf(motion, time)]);
     this.onDescribe();
   }
 

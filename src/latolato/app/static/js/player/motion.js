@@ -96,7 +96,7 @@ export function poseOf(height, balls, angleOf, across = 0, distanceOf = ({ lengt
  * Return the instants of a run up to the last one with values: a run that stopped early has none later.
  * @param {Block} block
  */
-function instantsOf(block) {
+function knownInstants(block) {
   const time = /** @type {Float64Array} */ (block.arrays.time);
   const angles = row(block, "angle", 0);
   let count = time.length;
@@ -109,7 +109,7 @@ export class Motion {
   constructor(block) {
     this.block = block;
     this.about = block.about;
-    this.time = instantsOf(block);
+    this.time = knownInstants(block);
     this.end = this.time[this.time.length - 1];
     /** @type {MotionBall[]} */
     this.balls = block.about.balls;

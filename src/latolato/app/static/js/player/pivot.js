@@ -53,7 +53,7 @@ export function handBox(size) {
  */
 export function drawArm(drawing, pose, size) {
   const { context, colours } = drawing;
-  begin(drawing, pose, size);
+  scaleToFist(drawing, pose, size);
   context.rotate(-RISE);
   block(context, 0.3, -0.52, 1.6, 1.04, 0.3);
   context.fillStyle = colours.sleeve;
@@ -70,7 +70,7 @@ export function drawArm(drawing, pose, size) {
  */
 export function drawFist(drawing, pose, size) {
   const { context } = drawing;
-  begin(drawing, pose, size);
+  scaleToFist(drawing, pose, size);
   block(context, -0.98, -0.7, 1.94, 1.45, 0.5);
   for (const [left, width, top, bottom] of FINGERS)
     block(context, left, top, width, bottom - top, 0.22);
@@ -87,7 +87,7 @@ export function drawFist(drawing, pose, size) {
  * @param {Pose} pose
  * @param {number} size
  */
-function begin({ context, scale, colours }, { across, height }, size) {
+function scaleToFist({ context, scale, colours }, { across, height }, size) {
   context.save();
   context.translate(...place(scale, across, height));
   context.scale(size * scale.size, size * scale.size);

@@ -42,7 +42,7 @@ export function withStart(options, resolved, degrees) {
  * @param {number} row of the ball
  * @returns {[number, number]} in degrees
  */
-export function limitsOf(motion, degrees, row) {
+export function angleLimits(motion, degrees, row) {
   const gap = (motion.about.attributes?.contact_separation ?? 0) / DEGREE;
   if (degrees.length === 1)
     return [(motion.low ?? -Infinity) / DEGREE, (motion.high ?? Infinity) / DEGREE];
@@ -186,7 +186,7 @@ export class Start {
     const { scene, clock } = this;
     const { motion } = scene;
     if (!motion) return;
-    const limits = limitsOf(motion, this.degrees, led.row);
+    const limits = angleLimits(motion, this.degrees, led.row);
     // A ball without limits has been round: only where it is matters.
     const turns = Number.isFinite(limits[0]) ? 0 : Math.ceil(angle / 360 - 0.5);
     const chosen = rounded(angle - 360 * turns, limits);

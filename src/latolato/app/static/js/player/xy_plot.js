@@ -36,7 +36,7 @@ export class XYPlot {
       legend: { show: false },
       cursor: { show: false },
       padding: [8, 12, 0, 0],
-      scales: { x: { time: false, range }, y: { range } },
+      scales: { x: { time: false, range: axisEnds }, y: { range: axisEnds } },
       axes: [
         { ...axis, ...marksOf("width", 70), size: BELOW, label: labels.x },
         { ...axis, ...marksOf("height", 40), size: BESIDE, label: labels.y },
@@ -45,7 +45,7 @@ export class XYPlot {
         [hasDots ? "fill" : "stroke"]: () => colour(paint, host),
         width: 1,
         points: { show: false },
-        paths: hasDots ? dots : line,
+        paths: hasDots ? dots : linePath,
       }))],
       hooks: { draw: [() => this.place()] },
     };
@@ -110,7 +110,7 @@ export class XYPlot {
  * @param {number} high
  * @returns {[number, number]}
  */
-function range(_, low, high) {
+function axisEnds(_, low, high) {
   const [from, to] = axisLimits(low, high, SINGLE);
   const margin = MARGIN * (to - from);
   return [from - margin, to + margin];
@@ -121,7 +121,7 @@ function range(_, low, high) {
  * @param {any} u
  * @param {number} k number of the series
  */
-function line(u, k) {
+function linePath(u, k) {
   // uPlot has set round joints, which thin lines do not need and which slow down long ones.
   u.ctx.lineJoin = "miter";
   const stroke = new Path2D();

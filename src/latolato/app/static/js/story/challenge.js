@@ -5,10 +5,10 @@ import { InputError } from "../model/rules.js";
 import { el } from "../page/dom.js";
 import { Knob } from "../page/knob.js";
 import { t, tr } from "../strings.js";
-import { edgesOf, requestOf, scoreOfGuess, scoreOfRun } from "./scores.js";
+import { tongueAmplitudes, challengeRequest, scoreOfGuess, scoreOfRun } from "./scores.js";
 import { withUnit } from "./number_text.js";
 
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 /** @typedef {import("../page/block.js").Block} Block */
 
 const GUESS = "story.guess";
@@ -61,7 +61,7 @@ export class Challenge {
   /** Return the run that counts. */
   request() {
     const { registry, store } = this.panel.page;
-    return requestOf(registry, this.challenge, store.state.options);
+    return challengeRequest(registry, this.challenge, store.state.options);
   }
 
   /**
@@ -95,7 +95,7 @@ export class Challenge {
     if (guess === undefined) return;
     this.score = scoreOfGuess(registry, this.challenge, guess);
     guess.split(",").forEach((part, i) => this.guesses[i].show(toSi(registry, "guess", part.trim(), "m")));
-    const edges = edgesOf(registry, this.challenge);
+    const edges = tongueAmplitudes(registry, this.challenge);
     this.edges.textContent = t("storyEdges", { list: edges.map((edge, i) => t("storyEdge",
       { ratio: this.challenge.task.ratios[i], text: withUnit(edge, "m") })).join(", ") });
   }

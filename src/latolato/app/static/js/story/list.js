@@ -4,10 +4,10 @@ import { el } from "../page/dom.js";
 import { actingLink } from "../page/links.js";
 import { format } from "../page/state.js";
 import { t, tr } from "../strings.js";
-import { loadTables } from "./load.js";
+import { loadTables } from "./contents.js";
 import { shownBy } from "./look.js";
 
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 
 export class StoryList {
   /** @param {import("../page/state.js").Page} page */

@@ -4,7 +4,7 @@ import { withLaws, withOptions } from "../page/option_texts.js";
 import { FIRST } from "../page/state.js";
 
 /** @typedef {import("../page/state.js").State} State */
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 
 // What views keep in the address belongs to the step before.
 const OF_VIEWS = ["toy.", "map.", "story."];

@@ -7,13 +7,13 @@ import { sayLeft } from "../page/link_parts.js";
 import { Runner } from "../player/runner.js";
 import { t, tr } from "../strings.js";
 import { Challenge } from "./challenge.js";
-import { loadSchema, loadTables } from "./load.js";
+import { loadSchema, loadTables } from "./contents.js";
 import { StoryList } from "./list.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
 import { NOT_YET, Step } from "./step.js";
 
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 
 // Where the address asks for the list.
 const LIST = "story.list";
@@ -30,7 +30,7 @@ export class StoryPanel {
   constructor(page, changed) {
     this.page = page;
     this.runner = new Runner(page.registry);
-    /** @type {import("./load.js").Schema} */
+    /** @type {import("./contents.js").Schema} */
     this.schema = /** @type {any} */ (null);
     /** The story on show. @type {StoryTable | null} */
     this.tables = null;

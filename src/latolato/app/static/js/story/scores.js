@@ -8,7 +8,7 @@ import { withOptions } from "../page/option_texts.js";
 import { quantity } from "./numbers.js";
 import { t } from "../strings.js";
 
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 /** @typedef {import("../model/registry.js").Registry} Registry */
 /** @typedef {import("../page/block.js").Block} Block */
 
@@ -22,7 +22,7 @@ const MOST_AMPLITUDE = 1;
  * @param {Record<string, string>} options of the player
  * @returns {import("../model/options.js").OptionsRequest}
  */
-export function requestOf(registry, { look, task }, options) {
+export function challengeRequest(registry, { look, task }, options) {
   const free = Object.fromEntries(Object.entries(options).filter(([name]) => task.free.includes(name)));
   return { scenario: look.preset, options: withOptions(registry, look.options ?? {}, free) };
 }
@@ -51,7 +51,7 @@ export function scoreOfGuess(registry, challenge, guess) {
     { ...registry.options.drive_amplitude, limits: [] }, "guess", toSi(registry, "guess", part.trim(), "m")));
   if (guesses.length !== ratios.length)
     throw new InputError(t("refuseGuess", { count: ratios.length, given: guesses.length }));
-  const edges = edgesOf(registry, challenge);
+  const edges = tongueAmplitudes(registry, challenge);
   return guesses.reduce((sum, each, i) => sum + Math.abs(each - edges[i]), 0) / guesses.length;
 }
 
@@ -61,7 +61,7 @@ export function scoreOfGuess(registry, challenge, guess) {
  * @param {StoryTable} challenge
  * @returns {number[]}
  */
-export function edgesOf(registry, { look, task }) {
+export function tongueAmplitudes(registry, { look, task }) {
   const all = optionsOf(registry, { scenario: look.preset, options: look.options });
   const value = (/** @type {string} */ name) => all[name] ?? registry.options[name].default;
   const [length, gravity] = [value("length"), value("gravity")];

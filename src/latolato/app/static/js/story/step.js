@@ -7,7 +7,7 @@ import { parameterOf } from "./look.js";
 import { quantity } from "./numbers.js";
 import { shownNumber } from "./number_text.js";
 
-/** @typedef {import("./load.js").StoryTable} StoryTable */
+/** @typedef {import("./contents.js").StoryTable} StoryTable */
 /** @typedef {import("../page/block.js").Block} Block */
 
 export const NOT_YET = "-";

@@ -44,7 +44,7 @@ function keepRow(rows, row, most) {
  * @param {number} [first] row
  * @param {number} [stride] from a row to the next one
  */
-function column(rows, place, first = 0, stride = 1) {
+function takeColumn(rows, place, first = 0, stride = 1) {
   const values = new Float64Array(Math.max(0, Math.ceil((rows.length - first) / stride)));
   for (let i = 0; i < values.length; i += 1) values[i] = rows[first + i * stride][place];
   return values;
@@ -174,7 +174,7 @@ export class Minute {
       const all = this.places[each] ?? this.ledger[each];
       if (!all) return null;
       const place = all[Math.min(ball, all.length - 1)];
-      const values = column(samples, place, first, stride);
+      const values = takeColumn(samples, place, first, stride);
       if (!(this.now[TIME] > samples[first + (values.length - 1) * stride][TIME])) return values;
       return Float64Array.of(...values, this.now[place]);
     };
@@ -282,7 +282,7 @@ export class Kept {
 
   /** The instants of its samples, from its beginning on. */
   get times() {
-    return column(this.minute.samples, TIME, this.first).map((time) => time - this.start);
+    return takeColumn(this.minute.samples, TIME, this.first).map((time) => time - this.start);
   }
 
   /** Return the run of the same start and drive; null where the pivot was shaken. */
@@ -304,7 +304,7 @@ export class Kept {
    */
   deviation({ columns }) {
     const gaps = columns.angle.flatMap((angles, ball) => {
-      const seen = column(this.minute.samples, this.minute.places.angle[ball], this.first);
+      const seen = takeColumn(this.minute.samples, this.minute.places.angle[ball], this.first);
       return Array.from(angles, (angle, i) => Math.abs(angle - seen[i]));
     });
     return gaps.reduce((most, gap) => Math.max(most, gap), 0);
@@ -316,7 +316,7 @@ export class Kept {
    */
   columns() {
     const { samples, places, ledger } = this.minute;
-    const of = (/** @type {number[]} */ all) => all.map((place) => column(samples, place, this.first));
+    const of = (/** @type {number[]} */ all) => all.map((place) => takeColumn(samples, place, this.first));
     /** @type {Record<string, Float64Array[]>} */
     const columns = {};
     for (const [name, all] of Object.entries(places)) {
@@ -338,7 +338,7 @@ export class Kept {
   contactColumns() {
     const { angles, suspension } = this.case.system;
     const { layout, contacts } = this.minute;
-    const of = (/** @type {number} */ place) => column(contacts, place, this.firstContact);
+    const of = (/** @type {number} */ place) => takeColumn(contacts, place, this.firstContact);
     const each = (/** @type {number} */ first) => Array.from({ length: angles }, (_, ball) => of(first + ball));
     const values = Array.from({ length: layout.contact_rows.count }, (_, row) => of(2 + row));
     return {

@@ -3,7 +3,7 @@
 import { brokenRule, general, InputError } from "../model/rules.js";
 import { t, tr } from "../strings.js";
 import { optionsAt } from "./about.js";
-import { kindText, withName, withUnit } from "./texts.js";
+import { kindText, withName, valueWithUnit } from "./texts.js";
 import { Placing } from "./theory.js";
 import { columnsOf, LINE_END } from "./trials.js";
 
@@ -17,13 +17,13 @@ import { columnsOf, LINE_END } from "./trials.js";
  * @typedef {{text: string, kind: string, parameters: [string, string], labels: Record<string, string>,
  *   values: [number[], number[]], angles: number[][],
  *   velocities: number[][], largest: number[], words: string[], edges: boolean[], births: number[],
- *   special: {kind: string, values: number[]}[]}} Curve
+ *   special: {kind: string, values: number[]}[]}} OverlayCurve
  *
  * A line over a map, and a curve of bifurcations there: `name` tells it from the others, `xs` and `ys` are
  * along the map's axes, `edges` says which points are on solid parts. Theory has no colour of its own.
  * @typedef {{name: string, label: string, colour: string, xs: number[], ys: number[], edges: boolean[],
  *   marks: {x: number, y: number, kind: string, mark: string}[]}} Line
- * @typedef {Curve & Line} PlacedCurve
+ * @typedef {OverlayCurve & Line} PlacedCurve
  *
  * A point of a curve.
  * @typedef {{curve: PlacedCurve, i: number}} CurvePoint
@@ -51,7 +51,7 @@ export function holdsCurves(text) {
 /**
  * Return the curves in a text; `latolato.app.map.curves.read_curves` does the same.
  * @param {string} text
- * @returns {Curve[]}
+ * @returns {OverlayCurve[]}
  * @throws {InputError} if it holds something else
  */
 export function parseCurves(text) {
@@ -77,7 +77,7 @@ export function parseCurves(text) {
 /**
  * @param {Record<string, string>} labels
  * @param {Map<string, string[]>} tables lines by their dimensions
- * @returns {Omit<Curve, "text">}
+ * @returns {Omit<OverlayCurve, "text">}
  */
 function curveOf(labels, tables) {
   /** @type {Map<string, string[]>} */
@@ -105,7 +105,7 @@ function curveOf(labels, tables) {
 /**
  * Return a curve over a map.
  * @param {Registry} registry
- * @param {Curve} curve
+ * @param {OverlayCurve} curve
  * @param {Grid} grid
  * @returns {Omit<PlacedCurve, "name">}
  * @throws {InputError} if it is of another system, or over other parameters
@@ -126,7 +126,7 @@ export function placedCurve({ curves, ...registry }, curve, grid) {
 
 /**
  * Return what turns both values of a curve into those of a map's axes.
- * @param {Curve} curve
+ * @param {OverlayCurve} curve
  * @param {Grid} grid
  * @returns {(values: number[]) => [number, number]}
  */
@@ -145,7 +145,7 @@ function placing({ parameters, labels }, grid) {
 /**
  * Throw if a curve is of another system than a map; `_check_same` in `latolato.figures.overlays` does the same.
  * @param {Pick<Registry, "systems" | "drives" | "options" | "axes">} registry
- * @param {Curve} curve
+ * @param {OverlayCurve} curve
  * @param {Grid} grid
  */
 function checkSame({ systems, drives, options, axes }, { labels, parameters }, { about: { laws }, x, y }) {
@@ -200,7 +200,7 @@ export function curveText({ axes, observables }, { curve, i }) {
   const edge = curve.edges[i] ? { 1: t("mapSoftEdge"), 0: t("mapSteepEdge") }[curve.births[i]] : undefined;
   return [kindText(curve.label, curve.edges[i]), ...(edge ? [edge] : []),
     ...[1, 0].map((k) => withName(/** @type {any} */ (axes[curve.parameters[k]]), curve.values[k][i])),
-    `${word.label}: ${tr(curve.words[i])}`, `${angle.label}: ${withUnit(angle, curve.largest[i])}`].join(" · ");
+    `${word.label}: ${tr(curve.words[i])}`, `${angle.label}: ${valueWithUnit(angle, curve.largest[i])}`].join(" · ");
 }
 
 /**
