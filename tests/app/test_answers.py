@@ -8,7 +8,7 @@ from starlette.routing import Route, WebSocketRoute
 from starlette.testclient import TestClient
 
 from app_server import frames_of
-from latolato.app import answers, forms, worker
+from latolato.app import forms, worker
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
 
@@ -56,7 +56,6 @@ POSTS.remove("/api/experiment")
 SOCKETS = [f"ws://127.0.0.1{r.path}" for r in ROUTES if isinstance(r, WebSocketRoute)]
 SOCKETS.remove("ws://127.0.0.1/ws/experiment/desk")
 MALFORMED = ["", "{", "[" * 100_000, "[]", "3", "null"]
-MALFORMED += [json.dumps({name: [None]}) for name in answers.PARTS]
 
 
 @pytest.mark.parametrize("path", POSTS)

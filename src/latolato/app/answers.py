@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from types import UnionType
-from typing import Any, get_args, get_origin
+from typing import Any
 
 from starlette.exceptions import HTTPException
 from starlette.requests import Request
@@ -18,28 +17,10 @@ from latolato.core.faults import line_of, refusal_of
 MOST_BODY = 2_000_000  # bytes
 # `Exception` stands for faults of the program.
 REFUSED = (HTTPException, InputError, OSError, MemoryError, Exception)
-# What the parts of requests are, by their names. Options, settings of sweeps and descriptions are
-# checked where they are read.
-_TEXTS, _OPEN_TEXTS = ("analysis", "clip", "desk", "do", "file", "kind"), (
-    "scenario", "observable", "stored", "ball", "scale", "trials", "decimal",
-)  # fmt: skip
-PARTS: dict[str, Any] = {
-    **dict.fromkeys(_TEXTS, str),
-    **dict.fromkeys(_OPEN_TEXTS, str | None),
-    **dict.fromkeys(("options", "select", "contours"), dict | None),
-    **dict.fromkeys(("xlog", "ylog", "log"), bool | None),
-    **dict.fromkeys(("curves", "overlays"), list[str] | None),
-    "levels": list[float],
-    "limits": list[float] | None,
-    "most_samples": int,
-    "settings": dict[str, str],
-    "speed": float,
-    "sweep": dict,
-}
 
 
 class MalformedError(InputError):
-    """A request that is no JSON object, lacks a part or holds one of another type."""
+    """A request that is no JSON object, or lacks a part."""
 
 
 class Body(dict[str, Any]):
@@ -78,24 +59,7 @@ def body_of(text: str | bytes) -> Body:
         raise MalformedError("a request must be JSON") from None
     if not isinstance(body, Body):
         raise MalformedError("a request must be a JSON object")
-    for part in (body, body.get("contours")):
-        for name, value in part.items() if isinstance(part, Body) else ():
-            if name in PARTS and not _is(value, PARTS[name]):
-                raise MalformedError("is of another type in requests", parameter=name, value=value)
     return body
-
-
-def _is(value: Any, kind: Any) -> bool:
-    """Return whether a value of JSON is of a type; whole numbers are numbers, switches are not."""
-    if isinstance(kind, UnionType):
-        return any(_is(value, each) for each in get_args(kind))
-    if kind in (int, float):
-        return isinstance(value, (int, kind)) and not isinstance(value, bool)
-    if get_origin(kind) is list:
-        return isinstance(value, list) and all(_is(each, *get_args(kind)) for each in value)
-    if get_origin(kind) is dict:
-        return isinstance(value, dict) and all(isinstance(each, str) for each in value.values())
-    return isinstance(value, kind)
 
 
 def refused(request: Request, error: Exception) -> Response:
