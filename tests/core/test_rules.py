@@ -7,6 +7,7 @@ from string import Formatter
 
 import pytest
 
+from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.cli.options import flag_of
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
@@ -17,15 +18,17 @@ from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.experiment.rules import broken
 from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
+from latolato.scenario.options import law_options
 
 SENTENCES = {
     **RULES,
     **OF_MEASUREMENTS,
     **OF_TABLES,
+    **OF_ANALYSES,
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
 # What rules may name: parameters of functions, and the file of a run on the command line.
-OPTIONS = {*VIDEO_PARAMETERS, *signature(import_table).parameters, "balls", "from", "system"}
+OPTIONS = {*law_options(), *VIDEO_PARAMETERS, *signature(import_table).parameters, "balls", "from"}
 
 
 @pytest.mark.parametrize("name", SENTENCES)

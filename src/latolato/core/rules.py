@@ -78,12 +78,12 @@ RULES = {
     "either": Rule("give either {name} or {parameter}, got both"),
     "rigid_rod": Rule(
         "must be 0 with suspension 'rod', as a rod never goes slack",
-        "give 0, or suspension='string'",
+        "give 0, or {@suspension}='string'",
     ),
     "lab_drag": Rule(
-        "must be 'pivot' with quadratic_damping, as drag relative to the room is described for "
+        "must be 'pivot' with {@quadratic_damping}, as drag relative to the room is described for "
         "linear damping only",
-        "give quadratic_damping=0 for 'lab'",
+        "give {@quadratic_damping}=0 for 'lab'",
     ),
     "mirrored_pivot": Rule(
         "moves the pivot sideways, which breaks the mirror symmetry of a {law}: {parameter} must "
@@ -111,25 +111,25 @@ RULES = {
         "use 'exact' or 'none'",
     ),
     # of the start and the instants of a run
-    "angle_needed": Rule("is needed [rad] (a LatoLato also accepts initial_offset)"),
-    "angle_or_offset": Rule("give only one of {parameter} and initial_offset"),
+    "angle_needed": Rule("is needed [rad] (a LatoLato also accepts {@initial_offset})"),
+    "angle_or_offset": Rule("give only one of {parameter} and {@initial_offset}"),
     "offset_of_toy": Rule(
         "counts from the low contact angle of a LatoLato",
-        "use initial_angle for other systems",
+        "use {@initial_angle} for other systems",
     ),
     "one_number": Rule("must be one number in {unit} for one angle"),
     "two_numbers": Rule("of a BallPair must be two numbers (right, left)"),
     "of_strings": Rule(
         "is for balls on strings: a rod keeps its ball at its length and never goes slack",
-        "leave it out, or give suspension='string' to a Pendulum, LatoLato or BallPair",
+        "leave it out, or give {@suspension}='string' to a Pendulum, LatoLato or BallPair",
     ),
     "of_rods": Rule(
         "is for balls on rods: a string never pushes, it goes slack",
-        "ask for slack_fraction, or give suspension='rod'",
+        "ask for slack_fraction, or give {@suspension}='rod'",
     ),
     "no_friction": Rule(
         "must be 0 for {what} on strings: dry friction ends at once where a string goes slack",
-        "leave it out, or give suspension='rod'",
+        "leave it out, or give {@suspension}='rod'",
     ),
     "duration_needed": Rule("is needed: give the end of the run in s, or times"),
     "duration_of_samples": Rule("needs a duration"),
@@ -151,7 +151,7 @@ RULES = {
         "stopped at t = {time:.9g} s: a string ran into a ball, or balls rested on each other on a "
         "slack string, which is not described"
     ),
-    "contact_limit": Rule("stopped at t = {time:.9g} s by contact_limit = {limit}"),
+    "contact_limit": Rule("stopped at t = {time:.9g} s by {@contact_limit} = {limit}"),
     "ended_early": Rule("the run {status}; there are no values after that"),
     "open_ledger": Rule(
         "the energy ledger closes only to {residual:.3g} J, {share:.2g} of the largest energy: "
@@ -162,7 +162,7 @@ RULES = {
     ),
     # of maps
     "axis_needed": Rule(
-        "{name} is needed [rad], as a value or an axis (a LatoLato also accepts initial_offset)"
+        "{name} is needed [rad], as a value or an axis (a LatoLato also accepts {@initial_offset})"
     ),
     "streams": Rule(
         "{count} points need as many streams from {first} on, but streams lie in [0, 2^53): begin "
