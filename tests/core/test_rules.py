@@ -8,9 +8,9 @@ from string import Formatter
 import pytest
 
 from latolato.analysis.rules import RULES as OF_ANALYSES
-from latolato.cli.options import flag_of
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
+from latolato.core.parameters import flag_of
 from latolato.core.rules import RULES, broken_rule, sentence
 from latolato.experiment.importing import import_table
 from latolato.experiment.parameters import VIDEO_PARAMETERS

@@ -16,9 +16,10 @@ import typer
 
 from latolato.cli.analyse import AnalysisGroup
 from latolato.cli.fit import FitGroup
-from latolato.cli.options import UsageError, command_from, flag_of
+from latolato.cli.options import UsageError, command_from
 from latolato.cli.registered import RegistryGroup
 from latolato.core.faults import refusal_of, report_of
+from latolato.core.parameters import flag_of
 from latolato.scenario.scenario import find, load_scenario, scenarios
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.

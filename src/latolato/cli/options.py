@@ -62,17 +62,6 @@ SEVERAL = "VALUES"
 SAMPLE_OPTIONS = ("times", "samples", "frame")
 
 
-def flag_of(name: str) -> str:
-    """Return the flag of a parameter.
-
-    Examples
-    --------
-    >>> flag_of("row_time")
-    '--row-time'
-    """
-    return f"--{name.replace('_', '-')}"
-
-
 class StrictCommand(TyperCommand):
     """A command that refuses what typer would misread.
 

@@ -15,10 +15,10 @@ from multiprocessing.connection import Connection
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.cli.options import flag_of
 from latolato.cli.output import print_summary
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of
+from latolato.core.parameters import flag_of
 from latolato.io.progress import bar
 
 if TYPE_CHECKING:

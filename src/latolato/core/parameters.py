@@ -20,6 +20,17 @@ from latolato.core.registry import (
 )
 
 
+def flag_of(name: str) -> str:
+    """Return the flag of a parameter.
+
+    Examples
+    --------
+    >>> flag_of("row_time")
+    '--row-time'
+    """
+    return f"--{name.replace('_', '-')}"
+
+
 @dataclass(frozen=True, kw_only=True)
 class Parameter:
     """One parameter: what it is, what it may be, and where its value stands.
@@ -88,7 +99,7 @@ class Parameter:
     @property
     def flag(self) -> str:
         """How the option is typed."""
-        return "--" + self.name.replace("_", "-")
+        return flag_of(self.name)
 
     @property
     def help(self) -> str:

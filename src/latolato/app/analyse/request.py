@@ -13,6 +13,7 @@ from latolato.analysis.rules import broken_analysis
 from latolato.app.lines import constructor, literal
 from latolato.app.run_request import RunRequest, TooLargeError
 from latolato.core.errors import InputError
+from latolato.core.parameters import flag_of
 from latolato.core.rules import broken_rule
 
 if TYPE_CHECKING:
@@ -106,7 +107,7 @@ class AnalysisRequest:
         law = {n: v for n, v in request.items() if n not in unfit and n not in run}
         for name, value in {**law, **run, **self.settings}.items():
             is_switch = own[name].kind is bool if name in own else laws[name].kind is bool
-            flag = "--" + name.replace("_", "-")
+            flag = flag_of(name)
             if is_switch:
                 is_on = str(value).lower() == "true"
                 if is_on or name in own:

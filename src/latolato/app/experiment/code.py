@@ -8,6 +8,7 @@ from pathlib import PurePath
 from typing import Any
 
 from latolato.app.experiment.tables import Import
+from latolato.core.parameters import flag_of
 from latolato.experiment.fits import fits
 from latolato.experiment.fits.registry import Apparatus
 
@@ -75,7 +76,4 @@ def _known(kind: str, apparatus: Apparatus) -> dict[str, Any]:
 
 def _options(arguments: Mapping[str, Any]) -> list[str]:
     """Return arguments of a function as options of a command."""
-    words = []
-    for name, value in arguments.items():
-        words += [f"--{name.replace('_', '-')}", str(value)]
-    return words
+    return [word for name, value in arguments.items() for word in (flag_of(name), str(value))]
