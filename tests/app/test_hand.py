@@ -6,7 +6,7 @@ import math
 
 import pytest
 
-from app_pages import READY, enter, open_view
+from app_pages import READY, enter, open_view, wait_for_options
 from held_pages import of_toy, open_held, wait_for_toy
 
 # Whether a ball has swung so far, in degrees.
@@ -332,9 +332,7 @@ def test_a_toy_that_is_let_go_is_the_run_of_the_address_again(page):
     page.get_by_role("application").press("e")
     page.wait_for_function("() => location.search.includes('restitution=0.91')")
     page.get_by_role("button", name="Hold it yourself").click()
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion?.about.options.restitution === 0.91"
-    )
+    wait_for_options(page, "options.restitution === 0.91")
     assert page.get_by_role("checkbox", name="Loop").is_visible()
     assert not page.get_by_role("button", name="Push").is_visible()
     assert "toy.hand" not in page.url

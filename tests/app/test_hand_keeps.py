@@ -4,10 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from app_pages import stored_run
+from app_pages import PLAYER, next_run, stored_run
 from held_pages import open_held, wait_for_toy
-
-PLAYER = "window.latolato.views.toy.player"
 
 
 def keep(page, *, key=None, seconds=0.5):
@@ -53,11 +51,8 @@ def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
     assert not page.get_by_role("button", name="Scenario", exact=False).is_visible()
     assert not page.get_by_role("button", name="NetCDF").is_visible()
     # Whoever changes a parameter gets a run of these parameters.
-    runs = page.locator("[data-runs]").get_attribute("data-runs")
-    page.get_by_label("How far the hand moves, slider").press("ArrowRight")
-    page.wait_for_function(
-        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
-    )
+    with next_run(page):
+        page.get_by_label("How far the hand moves, slider").press("ArrowRight")
     assert not page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
 
 

@@ -6,11 +6,10 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter, new_context, open_view
+from app_pages import OPTIONS, PLAYER, enter, new_context, open_view, wait_for_options
 from latolato.core.quantities import QUANTITIES
 from latolato.io.shown_units import SIZES
 
-PLAYER = "window.latolato.views.toy.player"
 LAPTOP = {"width": 1366, "height": 768}
 PHONE = {"width": 390, "height": 844}
 
@@ -19,13 +18,6 @@ def open_at(page, query="", view="toy", size=LAPTOP, motion="reduce"):
     page.emulate_media(reduced_motion=motion)
     page.set_viewport_size(size)
     open_view(page, query, view)
-
-
-def wait_for_options(page, condition):
-    """Wait until a condition of the options of the run on show holds."""
-    page.wait_for_function(
-        f"() => {{ const {{ options }} = {PLAYER}.motion.about; return {condition}; }}"
-    )
 
 
 def test_the_first_run_moves_where_that_is_welcome(page):
@@ -127,7 +119,7 @@ def test_shakes_per_second_and_the_frequency_ratio_follow_each_other(page):
     slider.focus()
     slider.press("ArrowRight")
     wait_for_options(page, f"options.drive_frequency > {5 * np.pi}")
-    now = page.evaluate(f"() => {PLAYER}.motion.about.options.drive_frequency")
+    now = page.evaluate(f"() => {OPTIONS}.drive_frequency")
     assert float(often.input_value()) == pytest.approx(now / (2 * np.pi), rel=1e-3)
     assert float(ratio.input_value()) == pytest.approx(now / natural, rel=1e-3)
 

@@ -11,7 +11,16 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from app_pages import enter, new_context, open_view, stored_run
+from app_pages import (
+    OPTIONS,
+    enter,
+    new_context,
+    next_run,
+    open_form,
+    open_view,
+    stored_run,
+    wait_for_options,
+)
 from app_server import start_server, stop_server
 from latolato.app.run_request import RunRequest
 
@@ -22,22 +31,13 @@ def open_play(page, query=""):
     open_view(page, query)
 
 
-def open_form(page, query=""):
-    """Open Play with all its parameters."""
-    open_play(page, query)
-    page.get_by_text("More parameters", exact=True).click()
-
-
 def test_a_slider_changes_the_curve_and_the_address(page):
     open_form(page, "&scenario=fig04b_push&duration=10%20s")
     assert page.get_by_label("duration", exact=False).first.input_value() == "10"
-    before = page.locator("[data-runs]").get_attribute("data-runs")
     slider = page.get_by_label("driving amplitude, slider")
     slider.focus()
-    slider.press("ArrowRight")
-    page.wait_for_function(
-        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=before
-    )
+    with next_run(page):
+        slider.press("ArrowRight")
     page.wait_for_function("() => location.search.includes('drive_amplitude')")
 
 
@@ -239,16 +239,12 @@ def test_the_address_brings_the_same_run_back(page):
     field = page.get_by_label("driving amplitude", exact=False).first
     enter(field, "28")
     page.wait_for_function("() => location.search.includes('28')")
-    state = "() => window.latolato.views.toy.player.motion.about.options"
-    page.wait_for_function(
-        "() => Math.abs(window.latolato.views.toy.player.motion.about.options.drive_amplitude"
-        " - 0.028) < 1e-12"
-    )
-    before, address = page.evaluate(state), page.url
+    wait_for_options(page, "Math.abs(options.drive_amplitude - 0.028) < 1e-12")
+    before, address = page.evaluate(OPTIONS), page.url
     page.goto("about:blank")
     page.goto(address)
     page.wait_for_selector("[data-runs]")
-    assert page.evaluate(state) == before
+    assert page.evaluate(OPTIONS) == before
 
 
 def test_a_run_that_pages_cannot_compute_comes_from_the_program(page, tmp_path):
@@ -294,51 +290,35 @@ def test_stages_begin_with_as_many_rows_as_the_schedule_had(page):
     page.get_by_label("angular frequency of each stage 4").wait_for()  # else it is drawn again
     page.get_by_label("angular frequency of each stage 3").fill("12")
     page.get_by_label("angular frequency of each stage 3").press("Enter")
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.drive_frequencies[2] === 12"
-    )
+    wait_for_options(page, "options.drive_frequencies[2] === 12")
     page.get_by_label("Drive", exact=True).select_option("staged_harmonic")
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.drive === 'staged_harmonic'"
-    )
+    wait_for_options(page, "options.drive === 'staged_harmonic'")
     # The address follows a moment later.
     page.wait_for_function(f"() => ({lengths})().join() === '4,4,4'")
     page.get_by_role("button", name="Add a row").click()
-    options = "window.latolato.views.toy.player.motion.about.options"
-    page.wait_for_function(f"() => {options}.drive_amplitudes?.length === 5")
+    wait_for_options(page, "options.drive_amplitudes?.length === 5")
 
 
 def test_another_system_keeps_what_it_knows_and_gets_what_it_needs(page):
     open_form(page, "&scenario=fig02&duration=5%20s")
     for system in ("latolato", "ballpair", "mathieu", "pendulum"):
         page.get_by_label("System", exact=True).select_option(system)
-        page.wait_for_function(
-            "name => window.latolato.views.toy.player.motion.about.options.system === name",
-            arg=system,
-        )
+        wait_for_options(page, f"options.system === '{system}'")
     page.get_by_label("Drive", exact=True).select_option("frequency_schedule")
     page.get_by_role("button", name="Add a row").click()
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.drive_times?.length === 3"
-    )
+    wait_for_options(page, "options.drive_times?.length === 3")
     for drive in ("chirp", "crank_slider", "fixed_pivot", "harmonic"):
         page.get_by_label("Drive", exact=True).select_option(drive)
-        page.wait_for_function(
-            "name => window.latolato.views.toy.player.motion.about.options.drive === name",
-            arg=drive,
-        )
+        wait_for_options(page, f"options.drive === '{drive}'")
 
 
 @pytest.mark.parametrize("scenario", [None, "fig02"])
 def test_another_drive_leaves_toy_and_start_as_they_are(page, scenario):
     open_form(page, f"&scenario={scenario}" if scenario else "")
-    options = "() => window.latolato.views.toy.player.motion.about.options"
-    before = page.evaluate(options)
+    before = page.evaluate(OPTIONS)
     page.get_by_label("Drive", exact=True).select_option("chirp")
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion.about.options.drive === 'chirp'"
-    )
-    after = page.evaluate(options)
+    wait_for_options(page, "options.drive === 'chirp'")
+    after = page.evaluate(OPTIONS)
     for name in ("length", "mass", "damping", "radius", "initial_angle", "duration"):
         assert after.get(name) == (pytest.approx(before[name]) if name in before else None), name
 
@@ -354,9 +334,7 @@ def test_what_is_typed_stays_when_the_run_before_it_comes(page):
 
 
 def test_a_cell_of_a_schedule_keeps_what_is_typed_when_the_run_comes(page):
-    page.emulate_media(reduced_motion="reduce")
-    open_view(page, "&scenario=fig12")
-    page.get_by_text("More parameters", exact=True).click()
+    open_form(page, "&scenario=fig12")
     first, second = (page.locator(".field.list input").nth(i) for i in (1, 3))
     first.fill("3.2")
     second.click()

@@ -8,7 +8,7 @@ from urllib.parse import parse_qs, urlsplit
 import numpy as np
 import pytest
 
-from app_pages import open_view
+from app_pages import next_run, open_view
 from latolato.app.run_request import RunRequest
 
 PLAYER = (
@@ -48,11 +48,8 @@ def lead(page, ball, degrees):
 
 def release(page):
     """Let the ball go, and wait for its run."""
-    runs = page.locator("[data-runs]").get_attribute("data-runs")
-    page.mouse.up()
-    page.wait_for_function(
-        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=runs
-    )
+    with next_run(page):
+        page.mouse.up()
 
 
 def options_of(page):

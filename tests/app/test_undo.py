@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from app_pages import enter, open_view
+from app_pages import enter, open_view, wait_for_options
 
 
 def open_play(page, query="&scenario=toy&duration=4%20s&map.size=20"):
@@ -26,7 +26,7 @@ def options(page):
     return page.evaluate("() => Object.fromEntries(new URLSearchParams(location.search))")
 
 
-def wait_for_options(page, **wanted):
+def wait_for_address(page, **wanted):
     page.wait_for_function(
         """(wanted) => Object.entries(wanted).every(([name, value]) =>
           new URLSearchParams(location.search).get(name) === value)""",
@@ -49,7 +49,7 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
     page.keyboard.press("ArrowUp")
     page.keyboard.press("ArrowUp")
     wait_for_step(page, 7)
-    wait_for_options(page, drive_amplitude="29 mm")
+    wait_for_address(page, drive_amplitude="29 mm")
     views = ["toy", "toy", "toy", "map", "map", "toy", "toy", "toy"]
     end = page.url
     for step in (6, 5, 4, 3, 2, 1, 0):
@@ -57,9 +57,7 @@ def test_steps_of_all_views_are_undone_and_redone_one_by_one(page):
         wait_for_step(page, step)
         assert options(page)["view"] == views[step]
     assert page.url == start
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion?.about.options.restitution !== 0.8"
-    )
+    wait_for_options(page, "options.restitution !== 0.8")
     for step in (1, 2, 3, 4, 5, 6, 7):
         page.go_forward()
         wait_for_step(page, step)
@@ -74,7 +72,7 @@ def test_each_typed_value_is_a_step_and_its_field_shows_what_is_undone(page):
         wait_for_step(page, step)
     page.go_back()
     wait_for_step(page, 2)
-    wait_for_options(page, restitution="0.7")
+    wait_for_address(page, restitution="0.7")
     page.wait_for_function("() => document.activeElement.value === '0.7'")
 
 
@@ -85,10 +83,8 @@ def test_back_is_undo_also_right_after_a_change(page):
     wait_for_step(page, 0)
     assert "drive_amplitude" not in options(page)
     page.go_forward()
-    wait_for_options(page, drive_amplitude="28 mm")
-    page.wait_for_function(
-        "() => window.latolato.views.toy.player.motion?.about.options.drive_amplitude === 0.028"
-    )
+    wait_for_address(page, drive_amplitude="28 mm")
+    wait_for_options(page, "options.drive_amplitude === 0.028")
 
 
 def test_a_drag_of_a_slider_is_one_step_however_slow(page):

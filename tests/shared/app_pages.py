@@ -5,6 +5,7 @@ from __future__ import annotations
 import atexit
 import shutil
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import lru_cache
 from pathlib import Path
@@ -97,6 +98,36 @@ def download(button: Any, folder: Path) -> Path:
     path = folder / caught.value.suggested_filename
     caught.value.save_as(path)
     return path
+
+
+def open_form(page: Any, query: str = "") -> None:
+    """Open a toy at rest with all its parameters."""
+    page.emulate_media(reduced_motion="reduce")
+    open_view(page, query)
+    page.get_by_text("More parameters", exact=True).click()
+
+
+# The run on show, and its options.
+PLAYER = "window.latolato.views.toy.player"
+OPTIONS = f"{PLAYER}.motion.about.options"
+
+
+def wait_for_options(page: Any, condition: str) -> None:
+    """Wait until a condition of the `options` of the run on show holds."""
+    page.wait_for_function(
+        f"() => {{ const options = {PLAYER}.motion?.about.options;"
+        f" return options && ({condition}); }}"
+    )
+
+
+@contextmanager
+def next_run(page: Any) -> Iterator[None]:
+    """Wait for the run that something makes."""
+    before = page.locator("[data-runs]").get_attribute("data-runs")
+    yield
+    page.wait_for_function(
+        "n => document.querySelector('[data-runs]').dataset.runs !== n", arg=before
+    )
 
 
 def stored_run(page: Any, folder: Path) -> Any:
