@@ -28,15 +28,12 @@ async function ended(request) {
 
 const kinds = {
   async address(search) {
-    const state = parse(search);
-    const same = format(parse(format(state))) === format(state);
-    return { same, ended: await ended(state) };
-  },
-  async link(search) {
+    const whole = parse(search);
+    const same = format(parse(format(whole))) === format(whole);
     const views = ["toy", "map"];
-    const { state, left } = readable(registry, parse(search), views);
+    const { state, left } = readable(registry, whole, views);
     const again = readable(registry, parse(format(state)), views);
-    return { lines: left.map(partText), again: again.left.length, known: views.includes(state.view) };
+    return { same, ended: await ended(whole), lines: left.map(partText), again: again.left.length, known: views.includes(state.view) };
   },
   async request(request) {
     return { ended: await ended(request) };

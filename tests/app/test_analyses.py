@@ -397,18 +397,14 @@ def test_refusals_are_in_the_words_and_the_language_of_the_page(page, query, tex
     watch.faults.clear()  # the server refuses the request
 
 
-@pytest.mark.parametrize(
-    "typed, problem",
-    [("1e300", "“Low” must lie between -1e+30 and 1e+30"), ("", "A number belongs here, such as")],
-)
-def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page, typed, problem):
+def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page):
     page.goto("/?view=analyse&analyse.what=bifurcation_diagram")
     page.wait_for_selector("[data-form]")
     field = page.locator(".settings").get_by_label("Low", exact=True)
     before = field.input_value()
-    enter(field, typed)
+    enter(field, "1e300")
     line = page.locator(".settings").get_by_role("alert").filter(visible=True)
-    line.get_by_text(problem).wait_for()
+    line.get_by_text("“Low” must lie between -1e+30 and 1e+30").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
     enter(field, before)
     assert line.count() == 0

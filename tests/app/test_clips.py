@@ -6,7 +6,6 @@ import math
 import os
 import random
 import re
-import signal
 import time
 from pathlib import Path
 
@@ -251,14 +250,6 @@ def test_flipped_bits_break_nothing(page, clip):
         if "done" not in answer:
             one_line(answer)
     assert page.client.get("/registry.json").status_code == 200
-
-
-def test_a_process_that_the_system_kills_is_explained():
-    with opened() as (page, store):
-        with page.begin(do="example", kind="toy") as socket:
-            os.kill(begun(socket), signal.SIGKILL)
-            assert "too little memory, or a file is broken" in one_line(end_of(socket))
-        assert not list(store.folder.iterdir())
 
 
 def test_a_lack_of_memory_is_explained(monkeypatch, tmp_path):

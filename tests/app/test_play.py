@@ -560,17 +560,6 @@ def test_a_view_chosen_while_the_server_is_away_comes_with_it(browser):
         context.close()
 
 
-def test_a_decimal_comma_is_read_where_one_number_belongs(page):
-    open_form(page)
-    field = page.get_by_label("pivot to ball centre l", exact=True)
-    enter(field, "24,5")
-    page.wait_for_function("() => location.search.includes('length=24.5+cm')")
-    assert field.input_value() == "24.5"
-    knob = page.get_by_role("textbox", name="How far the hand moves")
-    enter(knob, "60,5 mm")
-    page.wait_for_function("() => location.search.includes('drive_amplitude=60.5+mm')")
-
-
 def test_the_hint_on_frequencies_and_a_refused_stage_are_of_the_toy_on_show(page):
     open_form(page)
     hint = page.get_by_text("ω₀ is how often a ball swings by itself:")
