@@ -5,7 +5,7 @@ import { pathToFileURL } from "node:url";
 const [site, questions, answers] = process.argv.slice(2);
 const load = (name) => import(pathToFileURL(`${site}/js/${name}.js`));
 const [{ specify }, { run }, { blockOf }, { loadRegistry }, { quantity, withPeriod }, { runOnShow, shownBy },
-  { requestOf, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/run_block",
+  { challengeRequest, scoreOfGuess, scoreOfRun }] = await Promise.all(["model/case", "model/simulate", "model/run_block",
   "model/registry", "story/numbers", "story/look", "story/scores"].map(load));
 const registry = await loadRegistry();
 const { numbers, scores } = JSON.parse(readFileSync(questions, "utf8"));
@@ -22,5 +22,5 @@ for (const { look, options, name, angle } of numbers) {
 const reached = [];
 for (const { challenge, options } of scores)
   reached.push(plain(options.guess ? scoreOfGuess(registry, challenge, options.guess)
-    : scoreOfRun(registry, challenge.task, await blockFor(requestOf(registry, challenge, options)))));
+    : scoreOfRun(registry, challenge.task, await blockFor(challengeRequest(registry, challenge, options)))));
 writeFileSync(answers, JSON.stringify({ numbers: found, scores: reached }));
