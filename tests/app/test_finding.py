@@ -76,6 +76,13 @@ def test_a_driven_swing_says_what_the_drive_is_and_how_far_it_goes(more, words):
     assert told.endswith(words)
 
 
+def test_an_axis_that_is_only_taken_as_vertical_is_said_to_be():
+    words = "The axis of the drive is taken as vertical"
+    for source, is_said in (("vertical drive", True), ("drive axis", False)):
+        own = table().assign_attrs(gravity_source=source)
+        assert (words in told_of(own, {"drive": DRIVE}, TRIAL)) == is_said
+
+
 def test_without_a_trial_the_largest_angle_is_told():
     assert "out to ≈ 34°" in told_of(table(), {"drive": DRIVE}, None)
 

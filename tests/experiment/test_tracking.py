@@ -201,6 +201,17 @@ def test_gravity_is_found_although_the_camera_is_tilted(clips, name):
     assert abs(result.attrs["gravity_direction"] - CLIPS[name][2].roll) < 0.002
 
 
+def test_a_clip_too_short_to_show_gravity_says_that_its_drive_is_taken_as_vertical(tmp_path):
+    run = _driven(SINGLE, 2.0, initial_angle=0.4, duration=0.5)
+    path = tmp_path / "clip.mp4"
+    truth = synthesise_video(run, path, Scene(ball_radius=0.02), Camera(**SMALL), seed=5)
+    pivot, ball = (
+        [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
+    )
+    table = track(path, pivot=pivot, balls=[ball], length=SINGLE.length)
+    assert table.attrs["gravity_source"] == "vertical drive"
+
+
 def test_a_rod_does_not_draw_a_large_picture_of_a_pivot_at_rest(tmp_path):
     run = ll.simulate(SINGLE, initial_angle=np.radians(30.0), duration=4.0)
     path = tmp_path / "large.mp4"

@@ -241,6 +241,7 @@ def summarise(table: Any) -> dict[str, Any]:
         "scale_source",
         "length",
         "length_sigma",
+        "gravity_source",
         "angle_offset_sigma",
         "pivot_source",
         "angle_scale_sigma",

@@ -147,6 +147,8 @@ def pivot_numbers(table: xr.Dataset) -> dict[str, float | None]:
 def pivot_text(values: Mapping[str, Any]) -> str:
     """Describe how a pivot moves, or where it is if the picture does not show it.
 
+    Where only its axis says where down is, that is said.
+
     `values` are the attributes of a table and its `pivot_numbers`.
     """
     scale, unit = (1.0, "pixel") if values["geometry"] == "angles" else (1e3, "mm")
@@ -160,7 +162,12 @@ def pivot_text(values: Mapping[str, Any]) -> str:
         if amplitude is not None:
             size = f"{scale * amplitude:.5g} {unit}{way}"
             parts.append(f"{size} at {rate:.6g} rad/s ({rate / math.tau:.5g} Hz)")
-    return unseen_pivot(values) or ", ".join(parts) or "rests"
+    source = values.get("gravity_source", "")
+    if not parts:
+        parts = ["moves" if "drive" in source else "rests"]
+    if source == "vertical drive":
+        parts.append("its axis taken as vertical: the clip shows too little of the swing to tell")
+    return unseen_pivot(values) or ", ".join(parts)
 
 
 def _harmonic(table: xr.Dataset, axis: str) -> Harmonic | None:

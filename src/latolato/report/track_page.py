@@ -311,9 +311,12 @@ def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
             rows.append((text, f"{scale * attrs[name]:.4g} {unit}"))
     if "gravity_direction" in attrs:
         tilt = math.degrees(attrs["gravity_direction"])
-        source = {"image": "assumed", "drive axis": "from the drive's axis"}.get(
-            attrs["gravity_source"], f"from the {attrs['gravity_source']}"
-        )
+        source = {
+            "image": "assumed",
+            "drive axis": "from the drive's axis",
+            "vertical drive": "from the drive's axis, taken as vertical",
+            "swing": "from the swing",
+        }[attrs["gravity_source"]]
         rows.append(("gravity, from straight down", f"{tilt:z.2f} degrees, {source}"))
     if clock := clock_text(attrs):
         rows.append(("slow motion", clock))

@@ -43,6 +43,10 @@ FINDINGS = {
     ),
     "one_rate": Rule("{rate} times a second"),
     "two_rates": Rule("{rate} times a second and later {later} times"),
+    "vertical_axis": Rule(
+        "The axis of the drive is taken as vertical: the clip shows too little of the swing to "
+        "tell."
+    ),
     "not_settled": Rule("The motion has not settled in this video."),
     "motion_none": Rule("The swing ends below 45°."),
     "motion_weak": Rule("The swing lasts and goes beyond 45°."),
@@ -90,6 +94,8 @@ def finding_of(
     sentences: list[str]
     if drive:
         sentences = _driven(table, drive, trial)
+        if table.attrs.get("gravity_source") == "vertical drive":
+            sentences.append(_sentence("vertical_axis"))
     elif doubt:
         sentences = [doubt, _plain(table)]
     elif decay:

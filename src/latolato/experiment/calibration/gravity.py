@@ -27,8 +27,9 @@ LEVELLED = math.radians(5.0)
 class Gravity:
     """Gravity's direction from straight down in the picture, and its standard deviation [rad].
 
-    The source is ``"drive axis"``, ``"swing"`` or ``"image"``; `swing` is what the swing told, if
-    anything.
+    The source is ``"drive axis"``, which the swing confirms, ``"vertical drive"``, an axis that is
+    taken as vertical because the swing does not tell, ``"swing"`` or ``"image"``; `swing` is what
+    the swing told, if anything.
     """
 
     direction: float
@@ -45,6 +46,7 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     """
     axis, swing = _drive_axis(motion.pivots * hinge.arm), fit_swing(motion)
     if swing is None or swing.direction_sigma > LEVELLED:
+        axis = axis and replace(axis, source="vertical drive")
         return replace(axis or Gravity(0.0, "image", LEVELLED), swing=swing)
     down = Gravity(swing.direction, "swing", swing.direction_sigma, swing)
     if axis is None:
