@@ -259,6 +259,25 @@ def test_an_oblique_drive_is_not_taken_for_a_vertical_one(tmp_path):
     np.testing.assert_allclose(np.ptp(table.pivot_x.values), 0.02, rtol=0.03)
 
 
+def test_a_pivot_that_circles_before_a_plain_wall_is_followed(tmp_path):
+    # It is never long enough at one place for the median of the clip to show it.
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=0.03, horizontal_amplitude=0.03, horizontal_phase=0.5 * np.pi,
+        drive_frequency=1.3 * SINGLE.natural_frequency,
+    )  # fmt: skip
+    run = ll.simulate(SINGLE, drive, duration=3.0, initial_angle=0.5)
+    path = tmp_path / "circle.mp4"
+    scene = Scene(ball_radius=0.02, rail_width=0.0)
+    truth = synthesise_video(run, path, scene, Camera(**SMALL), seed=3)
+    pivot, ball = (
+        [round(truth.attrs[f"{name}_pixel_{axis}"]) for axis in "uv"]
+        for name in ("pivot", "ball_1")
+    )
+    table = track(path, pivot=pivot, balls=[ball], length=SINGLE.length)
+    assert np.sqrt(np.mean((table.angle_1 - truth.angle_1).values ** 2)) < 1e-3
+    np.testing.assert_allclose(np.ptp(table.pivot_x.values), 0.06, rtol=0.03)
+
+
 def test_gravity_is_found_although_one_turning_point_is_out_of_the_picture(tmp_path):
     camera = Camera(
         width=320, height=240, pixels_per_metre=450.0, pivot_u=60.0, pivot_v=40.0, roll=0.1

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 import numpy as np
-from scipy.ndimage import binary_dilation, label
+from scipy.ndimage import binary_dilation, gaussian_filter, label
 
 from latolato.experiment.rules import broken, place_text
 from latolato.experiment.tracking.kernels import shifts as kernels
@@ -38,8 +38,9 @@ _JUDGES = 8
 _MOVES, _SUFFICES = 4.0, 0.5
 # Share of the way sideways that is looked at, beyond which a rod has drawn a template.
 _DRAWN = 0.5
-# Range of luma about a pivot below which nothing shows it, as in a dark room: it then rests.
-_PLAIN = 10.0
+# Range of luma about a pivot below which nothing shows it, as in a dark room: it then rests; over
+# how many pixels a single frame is averaged for that, for it has noise [pixels].
+_PLAIN, _GRAIN = 10.0, 1.5
 # Fewest pixels a template may be compared at.
 _FEWEST = 12
 # Noise that is assumed at first, as a share of the template's contrast.
@@ -224,7 +225,10 @@ def learn_pivot(
     room = int(min(*np.minimum(click, size - 1 - click)))
     if room < _MARGIN:
         raise broken("pivot_at_edge", {"place": place_text(click), "least": _MARGIN})
-    if float(np.ptp(_patch(behind, click.astype(float), min(max(_SIZES), room)))) < _PLAIN:
+    half = min(max(_SIZES), room)
+    # The median does not show a pivot that never comes back to where it was.
+    rests, clicked = (_patch(each, click.astype(float), half) for each in (behind, frames[0].luma))
+    if max(np.ptp(rests), np.ptp(gaussian_filter(clicked, _GRAIN))) < _PLAIN:
         return PivotTracker.unseen(click), np.zeros((len(frames), 2))
     tracker = _distinct(frames, behind, click.astype(float), arm, room, aside)
     shifts = _first_shifts(tracker, frames, arm)
