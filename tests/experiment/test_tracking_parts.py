@@ -9,7 +9,11 @@ import pytest
 from scipy.ndimage import gaussian_filter
 
 import latolato as ll
-from latolato.experiment.calibration.deviations import honest_deviations, scatter_of
+from latolato.experiment.calibration.deviations import (
+    honest_deviations,
+    scatter_of,
+    time_scatter,
+)
 from latolato.experiment.calibration.gravity import (
     LEVELLED,
     Gravity,
@@ -27,7 +31,7 @@ from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.link import Trajectory
 from latolato.experiment.tracking.paint import filled, turned
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
-from latolato.experiment.tracking.refine import contact_times
+from latolato.experiment.tracking.refine import contact_times, take_off_turns
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.tracking.teach import Sighting, _learn_staying, _learn_turning
@@ -485,6 +489,18 @@ def test_the_common_error_of_angles_is_what_draws_the_pivot_aside():
     assert angle_offset_sigma(Gravity(0.0, "image", LEVELLED), hinge) >= LEVELLED
 
 
+@pytest.mark.parametrize("lean, doubt", [(0.05, 0.0), (0.3, 0.3 - LEVELLED)])
+def test_an_axis_that_leans_more_than_a_camera_does_is_doubted(lean, doubt):
+    strokes = 30.0 * np.sin(np.arange(600) * 0.7)
+    path = strokes[:, None] * [np.sin(lean), np.cos(lean)]
+    nothing = np.full((600, 1), np.nan)
+    motion = Motion(np.arange(600) / 60, nothing, path / 400.0, np.isfinite(nothing))
+    found = _gravity(motion)
+    assert found.source == "vertical drive"
+    assert abs(found.direction) == pytest.approx(lean)
+    assert found.sigma == pytest.approx(doubt, abs=1e-6)
+
+
 def _swing(rest, seen_from, drags):
     """Return a free swing about a pivot at rest of which only a part is seen."""
     random = np.random.default_rng(8)
@@ -568,6 +584,41 @@ def test_medians_of_planes_are_lower_medians(count):
     for k, median in enumerate(median_planes(frames)):
         ranked = np.sort([frame[2 + k] for frame in frames], axis=0)
         assert np.array_equal(median, ranked[(count - 1) // 2])
+
+
+@pytest.mark.parametrize("gap, stays", [(1, 0.0), (5, 0.0), (40, math.tau)])
+def test_turns_are_taken_off_that_a_ball_cannot_have_made(gap, stays):
+    times = np.arange(200)
+    swing = 0.5 * np.sin(0.3 * times)
+    angles = swing + np.where(times < 80, 0.0, math.tau)
+    angles[80 - gap + 1 : 80] = np.nan
+    take_off_turns(angles)
+    np.testing.assert_allclose(angles[:80][np.isfinite(angles[:80])], swing[: 81 - gap])
+    np.testing.assert_allclose(angles[80:], swing[80:] + stays)
+
+
+@pytest.mark.parametrize("is_late", [True, False], ids=["late", "shaken"])
+def test_errors_of_time_are_told_from_those_of_place_by_the_speed(is_late):
+    random = np.random.default_rng(5)
+    times = np.arange(300) / 60.0
+    errors = 1e-3 * random.standard_normal(300)
+    if is_late:
+        angles = 0.5 * np.sin(6.0 * (times + errors))
+    else:  # as much as the fastest ball is then off
+        angles = 0.5 * np.sin(6.0 * times) + 3.0 * errors
+    clean = np.ones((300, 1), bool)
+    off = time_scatter(times, angles[:, None], clean, ~clean, noise=1e-4)
+    assert (0.8e-3 < off < 2.5e-3) == is_late
+    assert (off == 0.0) != is_late
+
+
+def test_turns_that_a_ball_makes_stay():
+    turning = 2.9 * np.arange(100)
+    angles = turning.copy()
+    angles[[20, 21, 60]] = np.nan
+    take_off_turns(angles)
+    known = np.isfinite(angles)
+    np.testing.assert_array_equal(angles[known], turning[known])
 
 
 def test_a_pivot_whose_slow_frames_are_at_one_end_is_told_from_the_wall():

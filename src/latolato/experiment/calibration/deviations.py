@@ -69,8 +69,10 @@ def time_scatter(
     """Return how much time stamps are off [s], 0 if the angles do not show it.
 
     Fast balls then deviate from what their neighbours predict more along their path than across it,
-    by their speed times that error. An error below a fiftieth of the time between frames does not
-    show, nor does any error in a motion without seven samples from contact to contact.
+    by their speed times that error, and slow balls less than fast ones: a pivot that is not seen
+    right, or a motion that is too fast for the frames, moves both. An error below a fiftieth of the
+    time between frames does not show, nor does any error in a motion without seven samples from
+    contact to contact.
 
     Parameters
     ----------
@@ -100,11 +102,14 @@ def time_scatter(
     rest, speed = (np.concatenate(each) if each else np.empty(0) for each in (rests, speeds))
     if len(rest) < _FEW:
         return 0.0
-    is_fast = speed >= np.median(speed)
-    along = 1.4826 * float(np.median(rest[is_fast]))
+    is_fast, is_slow = speed >= np.median(speed), speed <= np.median(speed)
+    slow, slower = (float(np.median(each[is_slow])) for each in (rest, speed))
+    fast, faster = (float(np.median(each[is_fast])) for each in (rest, speed))
     off = _ROUGH_TIMES * 1.4826 * float(np.median(rest[is_fast] / speed[is_fast]))
-    is_shown = along > _SHOWN * noise and off > _LEAST_OFF * float(np.median(np.diff(times)))
-    return off if is_shown else 0.0
+    is_shown = 1.4826 * fast > _SHOWN * noise
+    # Errors of time make deviations differ as speeds do, others do not: the middle decides.
+    is_shown &= slow**2 * faster < fast**2 * slower
+    return off if is_shown and off > _LEAST_OFF * float(np.median(np.diff(times))) else 0.0
 
 
 def scatter_of(times: np.ndarray, values: np.ndarray) -> float:

@@ -46,8 +46,11 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     """
     axis, swing = _drive_axis(motion.pivots * hinge.arm), fit_swing(motion)
     if swing is None or swing.direction_sigma > LEVELLED:
-        axis = axis and replace(axis, source="vertical drive")
-        return replace(axis or Gravity(0.0, "image", LEVELLED), swing=swing)
+        if axis is None:
+            return Gravity(0.0, "image", LEVELLED, swing)
+        # What leans more than a camera that was levelled by eye may be the drive.
+        lean = max(axis.sigma, abs(axis.direction) - LEVELLED)
+        return replace(axis, source="vertical drive", sigma=lean, swing=swing)
     down = Gravity(swing.direction, "swing", swing.direction_sigma, swing)
     if axis is None:
         return down

@@ -32,6 +32,8 @@ _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
 # Time between measured samples that is bridged [s], and how uncertain accelerations are then, as a
 # share of the typical one.
 _PATIENCE, _UNSURE_FORCE = 0.3, 0.3
+# Share of the steps from frame to frame below which those of a ball typically are.
+_FAST = 0.98
 # A step this many times longer than others is a leap, also through a gap of so many frames.
 _LEAP, _LONG_GAP = 1.5, 6
 # Change of speed within a gap, over that by the typical force, from which something struck a ball.
@@ -313,6 +315,8 @@ class _Refiner:
         good &= ~self._leaps(good) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"
+        for b in range(scene.balls):
+            take_off_turns(out.angles[:, b])
         contacts = contact_times(out.times, out.angles, self.gap) if scene.balls == 2 else []
         near = (0.5 * scene.look.exposure + _UNSURE_EXPOSURE) * self.interval
         early = max(near, _BEFORE * self.interval)
@@ -353,7 +357,7 @@ class _Refiner:
         steps = np.abs(np.diff(angles, axis=0))
         if not np.isfinite(steps).any():
             return doubtful
-        most = _LEAP * float(np.nanquantile(steps, 0.98)) + 0.5 * self.gap
+        most = _LEAP * float(np.nanquantile(steps, _FAST)) + 0.5 * self.gap
         for b in range(2):
             known = np.flatnonzero(good[:, b])
             apart = np.diff(known)
@@ -433,6 +437,22 @@ def contact_times(times: np.ndarray, angles: np.ndarray, gap: float) -> list[flo
             if until <= times[k + 1] and after > before * 0.5:
                 contacts.append(float(np.clip(until, times[k - 1], times[k + 1])))
     return contacts
+
+
+def take_off_turns(angles: np.ndarray) -> None:
+    """Take whole turns off angles (frame,) after which a ball cannot have made them.
+
+    A rough path may run past the pivot where nothing like the ball was seen. Angles that are
+    unknown are NaN.
+    """
+    known = np.flatnonzero(np.isfinite(angles))
+    apart, steps = np.diff(known), np.diff(angles[known])
+    turns = np.rint(steps / math.tau)
+    in_frames = np.abs(steps - math.tau * turns)[apart == 1]
+    if not (turns.any() and len(in_frames)):
+        return
+    turns[apart * float(np.quantile(in_frames, _FAST)) >= math.pi] = 0.0
+    angles[known[1:]] -= math.tau * np.cumsum(turns)
 
 
 def off_curve(times: np.ndarray, angles: np.ndarray) -> np.ndarray:
