@@ -90,26 +90,28 @@ def _vacated(median: np.ndarray, pictures: np.ndarray) -> np.ndarray:
     for outline in outlines:
         if min(cv2.boundingRect(outline)[2:]) > 2.0 * _SMALL:
             thing = cv2.drawContours(np.zeros_like(often), [outline], -1, 1, cv2.FILLED)
-            place = _place_of_ball(thing)
-            if place is not None:
+            for place in _places_of_balls(thing):
                 _vacate(result, pictures, place, limit)
     return result
 
 
-def _place_of_ball(thing: np.ndarray) -> np.ndarray | None:
-    """Return where a thing is a ball, without its string; None if it leaves or is too small."""
+def _places_of_balls(thing: np.ndarray) -> list[np.ndarray]:
+    """Return the parts of a thing that are wider than strings and no longer than a ball's place."""
     cv2 = import_cv2()
     depth = cv2.distanceTransform(thing, cv2.DIST_L2, 5)
     radius = float(depth.max())
     if radius < _SMALL:
-        return None
+        return []
     reach = _WIDE * radius
     away = cv2.distanceTransform((depth <= reach).astype(np.uint8), cv2.DIST_L2, 5)
-    place = (away < reach).astype(np.uint8)
-    _, sides, _ = cv2.minAreaRect(cv2.findNonZero(place))
-    if max(sides) > _STAYS * radius:
-        return None
-    return np.asarray(cv2.dilate(place, np.ones((2 * _RIM + 1,) * 2, np.uint8)))
+    count, parts = cv2.connectedComponents((away < reach).astype(np.uint8))
+    rim, places = np.ones((2 * _RIM + 1,) * 2, np.uint8), []
+    for part in range(1, count):
+        place = (parts == part).astype(np.uint8)
+        _, sides, _ = cv2.minAreaRect(cv2.findNonZero(place))
+        if max(sides) <= _STAYS * radius:
+            places.append(cv2.dilate(place, rim))
+    return places
 
 
 def _vacate(result: np.ndarray, pictures: np.ndarray, place: np.ndarray, limit: float) -> None:
