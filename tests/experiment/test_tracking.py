@@ -14,7 +14,7 @@ import latolato as ll
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track import track
-from latolato.experiment.tracking.pivot import learn_pivot
+from latolato.experiment.tracking.pivot import Strings, learn_pivot
 from latolato.experiment.tracking.sample import median_planes, read_sample
 from latolato.experiment.video import open_video
 
@@ -222,8 +222,11 @@ def test_a_rod_does_not_draw_a_large_picture_of_a_pivot_at_rest(tmp_path):
     frames = read_sample(open_video(path)).frames
     behind = median_planes(frames[::3])[0]
     # As far aside as a hand or a narrow arc may point.
+    places = pivot + arm * np.array([[np.sin(a), np.cos(a)] for a in np.linspace(-0.5, 0.5, 25)])
     for aside in ((0.0, 0.0), (2.0, 0.0), (0.0, -1.0), (0.0, -2.6), (2.0, 3.0)):
-        assert learn_pivot(frames, behind, pivot + aside, arm)[0].is_still, aside
+        click = pivot + aside
+        strings = Strings.between(click, places, 50.0)
+        assert learn_pivot(frames, behind, click, arm, 10.0, strings)[0].is_still, aside
 
 
 @pytest.mark.parametrize("block, error", [(14.0, 0.5e-3), (0.1, 0.1)], ids=["seen", "unseen"])
@@ -239,6 +242,32 @@ def test_a_pivot_that_moves_to_the_side_is_followed_or_warned_of(block, error, t
     assert np.mean(np.abs(off) < 2.0 * table.angle_sigma_1.values) > 0.95
     is_warned = "the pivot may sway" in table.attrs.get("warnings", "")
     assert is_warned == (block < 1.0)
+
+
+@pytest.mark.parametrize(
+    "swing, aside, up, wall",
+    [(0.03, 0.006, 0.0, "texture"), (0.06, 0.0015, 0.0, "texture"), (0.06, 0.003, 0.01, "plain")],
+    ids=["sideways", "hardly", "oblique"],
+)
+def test_a_pivot_that_sways_above_a_narrow_swing_is_followed(swing, aside, up, wall, tmp_path):
+    # Distances of the ball from the pivot do not show it; the rod would draw a template aside.
+    drive = ll.PlanarHarmonic(
+        vertical_amplitude=max(up, 1e-7), horizontal_amplitude=aside, horizontal_phase=0.0,
+        drive_frequency=2.3 * SINGLE.natural_frequency,
+    )  # fmt: skip
+    run = ll.simulate(SINGLE, drive, duration=4.0, initial_angle=swing)
+    path = tmp_path / "sways.mp4"
+    scene = Scene(ball_radius=0.02, background=wall)
+    truth = synthesise_video(run, path, scene, Camera(**SMALL), seed=3)
+    pivot, ball = (
+        [float(truth.attrs[f"{name}_pixel_{axis}"]) for axis in "uv"]
+        for name in ("pivot", "ball_1")
+    )
+    table = track(path, pivot=pivot, balls=[ball], length=SINGLE.length)
+    off = (table.angle_1 - truth.angle_1).values
+    assert np.sqrt(np.mean(off**2)) < 0.8e-3
+    assert np.mean(np.abs(off) < 2.0 * table.angle_sigma_1.values) > 0.9
+    np.testing.assert_allclose(np.ptp(table.pivot_x.values), 2.0 * aside, rtol=0.15)
 
 
 def test_an_oblique_drive_is_not_taken_for_a_vertical_one(tmp_path):

@@ -8,16 +8,15 @@ import numpy as np
 
 from latolato.experiment.calibration.lens import Optics, undistorted
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
-from latolato.experiment.tracking.pivot import PivotTracker, learn_pivot
+from latolato.experiment.tracking.pivot import PivotTracker, Strings, learn_pivot
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
 
-# Fewest places that tell whether a pivot rests or sways, how much less distances from it must vary
-# then, and how much they must vary for the second to be looked at [pixels].
-_FEWEST, _CLEARER, _VARIES = 12, 0.7, 0.2
-# How much farther it sways at most than distances from it then typically vary: balls that swing by
-# 0.1 rad show a twentieth of its way.
-_SWAYS = 60.0
+# Fewest places that tell whether a pivot rests, and how much less distances from it must then vary.
+_FEWEST, _CLEARER = 12, 0.7
+# Way of a pivot to the side that makes distances vary by as much as its product with the sine of a
+# ball's angle varies, how much distances vary by accident [pixels], and the least of these sines.
+_SWAYS, _UNSURE, _LEAST_SINE = 5.0, 0.1, 1e-3
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -84,7 +83,8 @@ def fit_geometry(
     Notes
     -----
     Balls keep their distance from the pivot: that tells whether it rests and what moves is
-    something else, or whether it moves sideways, too. On narrow arcs they do not show the second.
+    something else. A pivot that sways makes them vary by the product of its way and the sine of a
+    ball's angle, which limits how far to the side it may move.
     """
     frames = sample.from_click
     in_clip = [k for k, frame in enumerate(frames) if 0 <= frame.number < len(route.times)]
@@ -102,21 +102,17 @@ def fit_geometry(
     own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
     resting.tilt = _oval(own, at, route.radius, size, optics)
     arm = resting.arm(balls)
-    about_click = _spread(np.hypot(*resting.tilt.flat(in_sample - pivot).T))
-    tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm)
+    shown = np.concatenate([balls, in_sample])
+    about_click = _spread(np.hypot(*resting.tilt.flat(shown - pivot).T))
+    strings = Strings.between(pivot, shown, route.radius)
+    sines = max(_spread(strings.directions[:, 0]), _LEAST_SINE)
+    aside = _SWAYS * (about_click + _UNSURE) / sines
+    tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, aside, strings)
     if tracker.is_still:
-        best, varies = Geometry(tracker, shifts, resting.tilt), about_click
-    else:
-        best, varies = followed(tracker, shifts)
-    if len(in_sample) < _FEWEST:
-        return best
-    if about_click < _CLEARER * varies:
-        best, varies = resting, about_click
-    if varies > _VARIES:
-        tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, _SWAYS * varies)
-        swaying, varies_less = followed(tracker, shifts)
-        if varies_less < _CLEARER * varies:
-            return swaying
+        return Geometry(tracker, shifts, resting.tilt)
+    best, varies = followed(tracker, shifts)
+    if len(in_sample) >= _FEWEST and varies > _UNSURE and about_click < _CLEARER * varies:
+        return resting
     return best
 
 

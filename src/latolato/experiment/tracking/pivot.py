@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 from scipy.ndimage import binary_dilation, gaussian_filter, label
@@ -30,14 +31,15 @@ _SHOWS, _SHOWS_SHARE = 4.0, 0.3
 _EDGE = 2
 # Shares of the frames, the slowest first, that a template is learned from, and how far the pivot
 # moves between them for the wall to be told from it [pixels].
-_SLOWEST, _SPREAD = (0.4, 0.6, 0.8), 4.0
+_SLOWEST, _SPREAD = (0.4, 0.6, 0.8), 2.0
 # Frames in which templates of several sizes are compared.
 _JUDGES = 8
 # Pixels by which a template moves that does not rest, and the share of the clearness of one that
 # rests at which it is believed.
 _MOVES, _SUFFICES = 4.0, 0.5
-# Share of the way sideways that is looked at, beyond which a rod has drawn a template.
-_DRAWN = 0.5
+# Share of the frames in which a string may hide what belongs to a template, and how wide it may be
+# to either side: in radii of the ball, and in pixels at least.
+_HIDDEN, _WIDTH, _LEAST_WIDTH = 0.7, 0.2, 2.0
 # Range of luma about a pivot below which nothing shows it, as in a dark room: it then rests; over
 # how many pixels a single frame is averaged for that, for it has noise [pixels].
 _PLAIN, _GRAIN = 10.0, 1.5
@@ -51,8 +53,6 @@ _LOOKED_AT, _APART = 250.0, 6.0
 # shares of the arm: a drive amplitude of 0.4 of the length from end to end, 0.3 at 3 Hz and 25
 # frames a second; and in small pictures at least [pixels].
 _FARTHEST, _NEXT, _LEAST_NEXT = 0.8, 0.25, 37.0
-# Shifts sideways that are looked at: some pixels, and this share of the shift upwards.
-_SIDEWAYS, _TILT = 3.0, 0.15
 # How far from where it is expected a pivot is looked for, sideways and up or down [pixels].
 _ASIDE, _ROOM = 2.0, 3.0
 # Steps of a wide search, the share of its places about which all are looked at, and how many these
@@ -63,6 +63,39 @@ _COARSE, _LIKELY, _FEWEST_LIKELY = 4, 0.03, 30
 _WORSE, _WORSE_BY, _BETTER, _SMEAR = 1.4, 0.1, 0.7, 1.0
 # How far beyond the shifts of the sample the pivot may move: pixels, and share of their range.
 _SLACK, _SLACK_SHARE = 4.0, 0.3
+
+
+class Strings(NamedTuple):
+    """Where strings or rods are seen: a template that they join follows them, not the pivot.
+
+    `directions` are unit vectors from the pivot to balls, one a frame and ball, of shape (string,
+    2), `half_width` is how far to either side something may belong to a string, which begins at a
+    distance from the pivot [pixels].
+    """
+
+    directions: np.ndarray
+    half_width: float
+    begins: float = 0.0
+
+    @classmethod
+    def between(cls, pivot: np.ndarray, places: np.ndarray, radius: float) -> Strings:
+        """Return those to places (place, 2) of balls of a radius, which have some [pixels]."""
+        away = places - pivot
+        lengths = np.hypot(*away.T)[:, None]
+        return cls(away / np.maximum(lengths, 1.0), _WIDTH * radius + _LEAST_WIDTH)
+
+    def clear(self, half: int) -> np.ndarray:
+        """Return which pixels of a round template they seldom hide, shape (row, column)."""
+        down, across = np.indices((2 * half + 1, 2 * half + 1)) - half
+        away = np.hypot(across, down)
+        hidden = np.zeros(away.shape)
+        for x, y in self.directions:
+            is_beside = np.abs(across * y - down * x) < self.half_width
+            hidden += is_beside & (across * x + down * y > self.begins)
+        return (away <= half + 0.5) & (hidden <= _HIDDEN * len(self.directions))
+
+
+_NO_STRINGS = Strings(np.empty((0, 2)), 0.0)
 
 
 @dataclass
@@ -85,8 +118,8 @@ class PivotTracker:
         Whether the pivot rests.
     enlarged : float
         How many times larger than usual the pivot's picture is, from 1 on.
-    is_upright : bool
-        Whether it moves up and down, and sideways only as far as a tilted camera shows it.
+    strings : Strings
+        What hangs from the pivot, and does not belong to it.
     """
 
     origin: np.ndarray
@@ -97,7 +130,7 @@ class PivotTracker:
     anchor: np.ndarray = field(default_factory=lambda: np.zeros(2))
     is_still: bool = False
     enlarged: float = 1.0
-    is_upright: bool = True
+    strings: Strings = _NO_STRINGS
 
     @classmethod
     def unseen(cls, place: np.ndarray) -> PivotTracker:
@@ -120,7 +153,7 @@ class PivotTracker:
         luma: np.ndarray,
         guess: np.ndarray | None,
         velocity: np.ndarray,
-        room: float = 0.0,
+        room: np.ndarray | float = 0.0,
     ) -> tuple[np.ndarray, float]:
         """Return the pivot's shift from the origin [pixels] and how badly the template fits.
 
@@ -132,7 +165,7 @@ class PivotTracker:
             Expected shift; None searches the whole reach.
         velocity : numpy.ndarray
             Pixels per frame interval, by which the template is smeared.
-        room : float
+        room : numpy.ndarray, shape (2,), or float
             How much farther from the guess than usual it may be [pixels].
         """
         if self.is_still:
@@ -157,7 +190,11 @@ class PivotTracker:
         return float(far.min() - cost.min()) if len(far) else 0.0, shift
 
     def _costs(
-        self, luma: np.ndarray, guess: np.ndarray | None, model: np.ndarray, room: float = 0.0
+        self,
+        luma: np.ndarray,
+        guess: np.ndarray | None,
+        model: np.ndarray,
+        room: np.ndarray | float = 0.0,
     ) -> tuple[np.ndarray, np.ndarray]:
         """Return corners by whole pixels and how badly the template fits there.
 
@@ -167,19 +204,16 @@ class PivotTracker:
         if guess is not None:
             near = np.rint(np.clip(guess, *self.reach))
             usual = np.ceil(self.enlarged * np.array([_ASIDE, _ROOM]))
-            around = usual + np.ceil(np.array([_TILT if self.is_upright else 1.0, 1.0]) * room)
+            around = usual + np.ceil(room)
             # Never much beyond the reach, however uncertain the guess is.
             low, high = (
                 np.maximum(near - around, low - usual),
                 np.minimum(near + around, high + usual),
             )
-        is_wide = guess is None or room >= _LEAST_NEXT
+        is_wide = guess is None or np.max(room) >= _LEAST_NEXT
         # In an enlarged picture the template's details are too; the rest is refined below.
         fine = round(self.enlarged) if is_wide else 1
         shifts = _grid(low, high, _COARSE * fine if is_wide else fine)
-        if guess is None and self.is_upright:
-            fan = _SIDEWAYS * self.enlarged + _TILT * np.abs(shifts[:, 1])
-            shifts = shifts[np.abs(shifts[:, 0]) <= fan]
         stride = _stride(self.weight > 0.0, _APART * self.enlarged)
 
         def compared(shifts: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -202,7 +236,8 @@ def learn_pivot(
     behind: np.ndarray,
     click: np.ndarray,
     arm: float,
-    aside: float = 0.0,
+    aside: float,
+    strings: Strings,
 ) -> tuple[PivotTracker, np.ndarray]:
     """Return a tracker of the pivot and its shifts in the sample, shape (frame, 2).
 
@@ -218,8 +253,9 @@ def learn_pivot(
         Distance from pivot to ball [pixels], from which the template's size and the largest
         possible drive amplitude come.
     aside : float
-        How far to either side the pivot may move [pixels]; 0 if it moves up and down only: what a
-        template then moves sideways is drawn by the rod.
+        How far to either side the pivot may move [pixels].
+    strings : Strings
+        What hangs from the pivot.
     """
     size = np.array([frames[0].luma.shape[1], frames[0].luma.shape[0]])
     room = int(min(*np.minimum(click, size - 1 - click)))
@@ -230,10 +266,10 @@ def learn_pivot(
     rests, clicked = (_patch(each, click.astype(float), half) for each in (behind, frames[0].luma))
     if max(np.ptp(rests), np.ptp(gaussian_filter(clicked, _GRAIN))) < _PLAIN:
         return PivotTracker.unseen(click), np.zeros((len(frames), 2))
-    tracker = _distinct(frames, behind, click.astype(float), arm, room, aside)
+    tracker = _distinct(frames, behind, click.astype(float), arm, room, aside, strings)
     shifts = _first_shifts(tracker, frames, arm)
     # A pivot at rest is not learned again: rods that swing about it would join.
-    rounds = 0 if _is_resting(tracker, shifts) else 4
+    rounds = 0 if _is_resting(shifts) else 4
     for round_ in range(rounds):
         shifts = locate_all(tracker, frames, shifts)
         spread = np.array([np.quantile(shifts, 0.03, axis=0), np.quantile(shifts, 0.97, axis=0)])
@@ -243,11 +279,13 @@ def learn_pivot(
             largest = int(tracker.enlarged * max(_SIZES))
             grown = min(max(2 * tracker.half, int(_GROWN * arm)), largest, room)
             tracker.template = np.zeros((2 * grown + 1, 2 * grown + 1))
+        if round_ == 2:  # next to the pivot a string shows by not moving with it
+            tracker.strings = strings._replace(begins=_INNER * tracker.enlarged)
         learn_template(tracker, frames, behind, shifts)
     if rounds:
         _trim(tracker)
         shifts = locate_all(tracker, frames, shifts)
-    if _is_resting(tracker, shifts):
+    if _is_resting(shifts):
         tracker.is_still = True
         shifts[:] = 0.0
     tracker.anchor = shifts[0].copy()
@@ -277,9 +315,9 @@ def _stride(used: np.ndarray, apart: float) -> int:
     return int(min(max((np.count_nonzero(used) / _LOOKED_AT) ** 0.5, 1.0), apart))
 
 
-def _is_resting(tracker: PivotTracker, shifts: np.ndarray) -> bool:
-    """Return whether shifts (frame, 2) are noise, in the directions in which the pivot may move."""
-    away = np.abs(shifts - np.median(shifts, axis=0))[:, int(tracker.is_upright) :]
+def _is_resting(shifts: np.ndarray) -> bool:
+    """Return whether shifts (frame, 2) are noise."""
+    away = np.abs(shifts - np.median(shifts, axis=0))
     scatter = 1.4826 * np.median(away, axis=0)
     return bool(np.all((scatter < _STILL) & (np.quantile(away, 0.9, axis=0) < 2.0 * _STILL)))
 
@@ -329,7 +367,7 @@ def learn_template(
     frames = [frame for frame, is_slow in zip(frames, slow, strict=True) if is_slow]
     shifts = shifts[slow]
     half = tracker.half
-    inside = np.hypot(*(np.indices(tracker.template.shape) - half)) <= half + 0.5
+    inside = tracker.strings.clear(half)
     stack = np.stack(
         [
             _patch(f.luma, tracker.origin + shift, half)
@@ -408,24 +446,23 @@ def _distinct(
     arm: float,
     room: int,
     aside: float,
+    strings: Strings,
 ) -> PivotTracker:
     """Return the tracker with the template that is found most clearly at one place per frame.
 
     A textured wall is found very clearly, always at the same place: templates are tried with and
-    without what looks as the median of the frames does, and one that moves needs less to win. What
-    shows best on a pivot at rest is the rod: a template that goes sideways with it comes last, if
-    the pivot moves up and down only.
+    without what looks as the median of the frames does, and one that moves needs less to win.
     """
     enlarged = max(1.0, arm / _USUAL_ARM)
     tall = _FARTHEST * arm
-    wide = min(aside or _SIDEWAYS * enlarged + 0.1 * tall, tall)
+    wide = min(aside, 0.5 * tall)
     inner = int(_INNER * enlarged)
     reach = np.array([[-wide, -tall], [wide, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
-    best: dict[str, tuple[float, PivotTracker]] = {}
+    best: dict[bool, tuple[float, PivotTracker]] = {}
     for half in sorted({min(int(size * enlarged), room) for size in _SIZES}):
         template = _patch(frames[0].luma, click, half)
-        inside = np.hypot(*(np.indices(template.shape) - half)) <= half + 0.5
+        inside = strings.clear(half)
         contrast = float(np.ptp(np.quantile(template, [0.05, 0.95])))
         change = np.abs(template - _patch(behind, click, half))
         near = slice(max(half - inner, 0), half + inner + 1)
@@ -437,27 +474,18 @@ def _distinct(
             noise = min(max(_SHARE * height, 1.0), 8.0)
             weight = np.where(used, 1.0 / noise**2, 0.0)
             tracker = PivotTracker(
-                click, template, weight, reach, enlarged=enlarged, is_upright=not aside
+                click, template, weight, reach, enlarged=enlarged, strings=strings
             )
             margins, shifts = zip(*(tracker.margin(frame.luma) for frame in some), strict=True)
             margin = float(np.quantile(margins, 0.25))
-            kind = _kind(tracker, np.array(shifts))
-            if kind not in best or margin > best[kind][0]:
-                best[kind] = (margin, tracker)
-    moving, resting = best.get("moving"), best.get("resting")
-    if moving is not None and (resting is None or moving[0] >= _SUFFICES * resting[0]):
-        return moving[1]
-    return resting[1] if resting is not None else best["drawn"][1]
-
-
-def _kind(tracker: PivotTracker, shifts: np.ndarray) -> str:
-    """Return whether shifts (frame, 2) are those of a pivot, or drawn sideways by a rod."""
-    across, down = np.abs(shifts).T
-    enlarged = tracker.enlarged
-    if tracker.is_upright and np.median(across - _TILT * down) > _DRAWN * _SIDEWAYS * enlarged:
-        return "drawn"
-    strokes = np.ptp(shifts, axis=0)[int(tracker.is_upright) :]
-    return "moving" if strokes.max() > _MOVES * enlarged else "resting"
+            moves = bool(np.ptp(shifts, axis=0).max() > _MOVES * enlarged)
+            if moves not in best or margin > best[moves][0]:
+                best[moves] = (margin, tracker)
+    resting, moving = best.get(False), best.get(True)
+    if moving is None or (resting is not None and moving[0] < _SUFFICES * resting[0]):
+        moving = resting
+    assert moving is not None
+    return moving[1]
 
 
 def _patch(plane: np.ndarray, centre: np.ndarray, half: int) -> np.ndarray:
@@ -479,7 +507,7 @@ class PivotFollower:
     def place_in(self, frame: Frame, is_stale: bool) -> np.ndarray:
         """Return the pivot's place in a frame, or where it should be if that shows an older one."""
         tracker = self.tracker
-        guess, velocity, room = None, np.zeros(2), 0.0
+        guess, velocity, room = None, np.zeros(2), np.zeros(2)
         if len(self.shifts) >= 3:
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.
             guess, velocity, room = self._extrapolated(frame.time)
@@ -499,7 +527,7 @@ class PivotFollower:
         self.shifts = [*self.shifts[-3:], (frame.time, shift)]
         return tracker.place(shift)
 
-    def _extrapolated(self, time: float) -> tuple[np.ndarray, np.ndarray, float]:
+    def _extrapolated(self, time: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Return the shift and velocity per interval to be expected, and half the last bend."""
         (t0, p0), (t1, p1), (t2, p2) = self.shifts[-3:]
         early, late = (p1 - p0) / (t1 - t0), (p2 - p1) / (t2 - t1)
@@ -507,7 +535,7 @@ class PivotFollower:
         passed = time - t2
         guess = p2 + (late + 0.5 * bend * (t2 - t1 + passed)) * passed
         velocity = (late + bend * (0.5 * (t2 - t1) + passed)) * self.interval
-        return guess, velocity, 0.5 * float(np.max(np.abs(bend))) * self.interval**2
+        return guess, velocity, 0.5 * np.abs(bend) * self.interval**2
 
     def _arrived(self, time: float, shift: np.ndarray) -> np.ndarray:
         """Return the velocity per interval at a frame whose shift is known."""

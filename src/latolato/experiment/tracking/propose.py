@@ -22,7 +22,7 @@ from latolato.experiment.tracking.link import (
     link_movers,
 )
 from latolato.experiment.tracking.orbit import better, circle, driven_circle
-from latolato.experiment.tracking.pivot import learn_pivot
+from latolato.experiment.tracking.pivot import Strings, learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.strings import SHOWS, Lines
 from latolato.experiment.video import Frame, Video
@@ -58,8 +58,9 @@ _ROUND, _ROUND_SHARE = 0.75, 0.003
 _VAGUE = 0.04
 # Arm of the coarse pictures in which the pivot is followed [pixels].
 _FINE = 160.0
-# Where else the pivot may be in the first frame, above and below the centre, as shares of the arm.
-_TRIALS = (0.0, -0.07, 0.07)
+# Where else the pivot may be in the first frame, above and below the centre, and how far it may
+# move to the side, as shares of the arm.
+_TRIALS, _ASIDE = (0.0, -0.07, 0.07), 0.1
 
 
 def proposal_text(setup: Setup) -> Sentence:
@@ -300,7 +301,7 @@ def _pivots(
     ]
     meeting = _seen(video, shared[0]) if shared else None
     rests = all(centre is not None for centre in centres)
-    orbit = own[0] if rests else _common_circle(video, sample, flat)
+    orbit = own[0] if rests else _common_circle(video, sample, flat, radius)
     if orbit is None or orbit.residual > max(_OFF, _OFF_SHARE * orbit.arm):
         return [meeting]
     centre = _seen(video, distorted(orbit.centre, size, lens))
@@ -329,7 +330,9 @@ def _seen(video: Video, place: np.ndarray | None) -> np.ndarray | None:
     return place if place is not None and video.shows(place) else None
 
 
-def _common_circle(video: Video, sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
+def _common_circle(
+    video: Video, sample: Sample, tracks: list[np.ndarray], radius: float
+) -> CircleFit | None:
     """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
     times = sample.times
     some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
@@ -345,7 +348,7 @@ def _common_circle(video: Video, sample: Sample, tracks: list[np.ndarray]) -> Ci
         ).reshape(-1, 2)
         for f in frames
     ]
-    return _followed(video, frames, places, first)
+    return _followed(video, frames, places, radius, first)
 
 
 def _is_round(orbit: CircleFit) -> bool:
@@ -354,7 +357,11 @@ def _is_round(orbit: CircleFit) -> bool:
 
 
 def _followed(
-    video: Video, frames: list[Frame], places: list[np.ndarray], first: CircleFit
+    video: Video,
+    frames: list[Frame],
+    places: list[np.ndarray],
+    radius: float,
+    first: CircleFit,
 ) -> CircleFit | None:
     """Return the circle about a pivot that is followed in the picture from where it may be."""
     size = np.array([video.width, video.height])
@@ -364,13 +371,16 @@ def _followed(
     # Chroma is not needed.
     coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
     median = median_planes(coarse)[0]
+    shown = np.concatenate(places)
     best: CircleFit | None = None
     for trial in _TRIALS:
         centre, arm = first.centre + np.array([0.0, trial * first.arm]), first.arm
         for _ in range(3):
             if (np.minimum(centre, size - 1.0 - centre) < 12.0 * fold).any():
                 break
-            tracker, shifts = learn_pivot(coarse, median, (centre + 0.5) / fold - 0.5, arm / fold)
+            strings = Strings.between(centre / fold, shown / fold, radius / fold)
+            place, length = (centre + 0.5) / fold - 0.5, arm / fold
+            tracker, shifts = learn_pivot(coarse, median, place, length, _ASIDE * length, strings)
             if tracker.is_still:
                 break
             orbit = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
