@@ -65,7 +65,12 @@ def is_upside_down(motion: Motion, hinge: Hinge) -> bool:
     """Return whether balls swing as under gravity in the picture turned by half a turn."""
     turned = motion._replace(angles=motion.angles - math.pi, pivots=-motion.pivots)
     swing = find_gravity(turned, hinge).swing
-    return swing is not None and swing.direction_sigma < LEVELLED
+    # Two balls that mirror each other fit any gravity, turned round too.
+    return (
+        swing is not None
+        and swing.direction_sigma < LEVELLED
+        and math.isfinite(swing.stiffness_sigma)
+    )
 
 
 def _drive_axis(pivots: np.ndarray) -> Gravity | None:
