@@ -379,3 +379,10 @@ def test_the_free_swing_that_the_computer_films_is_measured_in_every_frame():
             page.file(made["clip"], "track.csv").text.splitlines(), str, delimiter=",", comments="#"
         )
         assert np.count_nonzero(kinds == "ok") == made["frames"]
+
+
+def test_a_file_is_made_under_no_other_name(tmp_path):
+    request = {"folder": str(tmp_path / "desk"), "file": "../report.html"}
+    with pytest.raises(InputError, match=r"file must be one of track\.nc"):
+        WORK["export"](request, lambda *_: None)
+    assert not list(tmp_path.iterdir())

@@ -278,6 +278,10 @@ def fit(job: Job, tell: Tell) -> Result:
 
 def export(job: Job, tell: Tell) -> Result:
     """Write the table as NetCDF, the video with the overlay, or the page on its quality."""
+    if job["file"] not in EXPORTS:  # any other name might lead out of the folder
+        raise InputError(
+            "must be one of " + ", ".join(EXPORTS), parameter="file", value=job["file"]
+        )
     folder = Path(job["folder"])
     table = read_table(folder / TABLE)
     if job["file"] == "track.nc":
