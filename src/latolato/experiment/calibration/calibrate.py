@@ -195,7 +195,7 @@ def calibrate(
         warnings.append(said("other_centre", place=place, pixels=pixels))
     motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
     down = find_gravity(motion, hinge)
-    if down.swing is None and is_upside_down(motion, hinge):
+    if down.swing is None and is_upside_down(motion):
         raise broken("upside_down")
     shared = angle_offset_sigma(down, hinge)
     if tilt.angle > 0.0 and down.source != "swing":

@@ -61,10 +61,10 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     return replace(best, sigma=max(best.sigma, apart / _APART), swing=swing)
 
 
-def is_upside_down(motion: Motion, hinge: Hinge) -> bool:
+def is_upside_down(motion: Motion) -> bool:
     """Return whether balls swing as under gravity in the picture turned by half a turn."""
     turned = motion._replace(angles=motion.angles - math.pi, pivots=-motion.pivots)
-    swing = find_gravity(turned, hinge).swing
+    swing = fit_swing(turned)
     # Two balls that mirror each other fit any gravity, turned round too.
     return (
         swing is not None

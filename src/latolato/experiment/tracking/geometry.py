@@ -92,12 +92,6 @@ def fit_geometry(
     is_seen = route.is_seen[numbers]
     in_sample = route.places[numbers][is_seen]
 
-    def followed(tracker: PivotTracker, shifts: np.ndarray) -> tuple[Geometry, float]:
-        geometry = Geometry(tracker, shifts)
-        at = geometry.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
-        geometry.tilt = _oval(in_sample, at, route.radius, size, optics)
-        return geometry, _spread(np.hypot(*geometry.tilt.flat(in_sample - at).T))
-
     resting = Geometry.at_rest(pivot, len(frames))
     own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
     resting.tilt = _oval(own, at, route.radius, size, optics)
@@ -110,10 +104,13 @@ def fit_geometry(
     tracker, shifts = learn_pivot(frames, sample.medians[0], pivot, arm, aside, strings)
     if tracker.is_still:
         return Geometry(tracker, shifts, resting.tilt)
-    best, varies = followed(tracker, shifts)
+    moving = Geometry(tracker, shifts)
+    at = moving.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
+    moving.tilt = _oval(in_sample, at, route.radius, size, optics)
+    varies = _spread(np.hypot(*moving.tilt.flat(in_sample - at).T))
     if len(in_sample) >= _FEWEST and varies > _UNSURE and about_click < _CLEARER * varies:
         return resting
-    return best
+    return moving
 
 
 def _oval(

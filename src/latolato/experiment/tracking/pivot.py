@@ -53,6 +53,8 @@ _LOOKED_AT, _APART = 250.0, 6.0
 # shares of the arm: a drive amplitude of 0.4 of the length from end to end, 0.3 at 3 Hz and 25
 # frames a second; and in small pictures at least [pixels].
 _FARTHEST, _NEXT, _LEAST_NEXT = 0.8, 0.25, 37.0
+# The same to either side: half as far, for a search takes as long as its places are many.
+_FARTHEST_ASIDE = 0.4
 # How far from where it is expected a pivot is looked for, sideways and up or down [pixels].
 _ASIDE, _ROOM = 2.0, 3.0
 # Steps of a wide search, the share of its places about which all are looked at, and how many these
@@ -253,7 +255,8 @@ def learn_pivot(
         Distance from pivot to ball [pixels], from which the template's size and the largest
         possible drive amplitude come.
     aside : float
-        How far to either side the pivot may move [pixels].
+        How far to either side the pivot may move [pixels]; beyond 0.4 of the arm it is not looked
+        for.
     strings : Strings
         What hangs from the pivot.
     """
@@ -455,7 +458,7 @@ def _distinct(
     """
     enlarged = max(1.0, arm / _USUAL_ARM)
     tall = _FARTHEST * arm
-    wide = min(aside, 0.5 * tall)
+    wide = min(aside, _FARTHEST_ASIDE * arm)
     inner = int(_INNER * enlarged)
     reach = np.array([[-wide, -tall], [wide, tall]])
     some = frames[:: max(1, len(frames) // _JUDGES)]
