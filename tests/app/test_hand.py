@@ -193,8 +193,18 @@ def test_a_refused_control_is_mended_in_its_field(page):
     wait_for_toy(page, "toy?.controls.restitution === 0.5")
 
 
+# Ends when the worker that computes runs has asked for all that it loads: the list is the last.
+LOADED = """async () => {
+  const isAsked = () =>
+    performance.getEntriesByType("resource").some((each) => each.name.endsWith("registry.json"));
+  while (!isAsked()) await new Promise((resolve) => setTimeout(resolve, 20));
+}"""
+
+
 def test_a_toy_needs_no_server_once_it_is_there(page):
     open_held(page)
+    for worker in page.workers:
+        worker.evaluate(LOADED)
     requests = []
     page.on("request", lambda request: requests.append(request.url))
     page.keyboard.press("ArrowUp")
