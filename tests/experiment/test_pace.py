@@ -62,6 +62,29 @@ def test_a_swing_tells_the_pace_of_a_whole_clip(run, factor):
     assert found == pytest.approx(factor, rel=0.01)
 
 
+@pytest.mark.parametrize("frequency,off", [(0.0, 0.01), (5.0, 0.1), (10.0, 3.0)])
+def test_a_fast_drive_that_leans_turns_no_gravity(frequency, off):
+    """Of 10 Hz a camera with 30 frames a second sees three places in a period."""
+    from scipy.interpolate import CubicSpline
+
+    drive = ll.PlanarHarmonic(
+        drive_frequency=math.tau * frequency, vertical_amplitude=0.014, horizontal_amplitude=0.01
+    )
+    run = ll.simulate(BALL, drive, initial_angle=0.6, duration=12.0)
+    times = np.arange(0.0, 12.0, 1.0 / 30.0)
+    angle, across, height = (
+        CubicSpline(run["time"].values, run[name].values)(times)
+        for name in ("angle", "pivot_across", "pivot_height")
+    )
+    pivots = np.column_stack([across, height]) / LENGTH
+    swing = fit_swing(Motion(times, angle[:, None], pivots, np.ones((len(times), 1), bool)))
+    assert abs(1e3 * swing.direction) < off  # [mrad]
+    assert abs(swing.stiffness / STIFFNESS - 1.0) < 1e-3 * max(off, 0.1)
+    if frequency > 0.0:  # a deviation of nothing but rounding says little
+        assert abs(swing.direction) < swing.direction_sigma
+        assert abs(swing.stiffness - STIFFNESS) < swing.stiffness_sigma
+
+
 @pytest.mark.parametrize("rate", [30.0, 60.0])
 def test_a_slow_part_is_found_with_its_ends(run, rate):
     motion = filmed(run, [(0.0, 1.0), (3.0, 8.0), (4.5, 1.0)], rate)

@@ -24,6 +24,8 @@ _CLEAR = 3.0
 _GAP = 4.5
 # Share of the size of sines below which they cancel.
 _CANCELS = 0.02
+# Share of the answer to a fast drive that even three frames in its period do not resolve.
+_UNRESOLVED = 0.1
 # What the equation may leave over, as a share of the accelerations.
 _LEFT_OVER = 0.02
 
@@ -76,7 +78,7 @@ def fit_swing(motion: Motion) -> Swing | None:
     )
     if rows is None:
         return None
-    _, bend, sine, cosine, speed, pull = rows.T
+    _, bend, sine, cosine, speed, pull, answer = rows.T
 
     def rest(p: np.ndarray) -> np.ndarray:
         c, s = math.cos(p[0]), math.sin(p[0])
@@ -99,7 +101,8 @@ def fit_swing(motion: Motion) -> Swing | None:
     squares = float(np.sum(weights * rest(known) ** 2))
     # Windows overlap: of four, one counts.
     spread = np.linalg.pinv(fit.jac.T @ fit.jac) * squares / max(_APART * len(rows) - 3.0, 1.0)
-    sigmas = np.sqrt(np.diag(spread))
+    shift = np.linalg.pinv(fit.jac) @ (np.sqrt(weights) * answer)
+    sigmas = np.hypot(np.sqrt(np.diag(spread)), _UNRESOLVED * shift)
     is_explained = squares < float(np.sum(weights * (_LEFT_OVER * stiffness * pull) ** 2))
     if not (is_explained and stiffness > sigmas[1]):
         return None
@@ -111,26 +114,33 @@ def fit_swing(motion: Motion) -> Swing | None:
 
 
 def windows(motion: Motion, width: float) -> np.ndarray:
-    """Return the terms of the equation in windows in order of time, shape (window, 6).
+    """Return the terms of the equation in windows in order of time, shape (window, 7).
 
     They are the time of its middle, the angular acceleration and what a moving pivot adds to it,
-    sine and cosine of the angle, the speed, and the size of the sine. Half a window is as long as
-    the phase of the fastest swing needs to grow by a `width`.
+    sine and cosine of the angle, the speed, the size of the sine, and which part of the second one
+    is the ball's answer to a fast drive. Half a window is as long as the phase of the fastest swing
+    needs to grow by a `width`.
     """
     times, angles, unit = motion.times, motion.angles, _unit(motion)
     steps = np.diff(times)
-    pushes = np.diff(np.diff(motion.pivots, axis=0) / steps[:, None], axis=0)
-    spans = 0.5 * (steps[1:] + steps[:-1])[:, None]
-    sine, cosine = np.sin(angles[1:-1]), np.cos(angles[1:-1])
-    bend = np.diff(np.diff(angles, axis=0) / steps[:, None], axis=0)
-    bend += pushes[:, 1:] * sine + pushes[:, :1] * cosine
+    sine, cosine = np.sin(angles), np.cos(angles)
+    # A difference of slopes is what a hat of two steps averages, and the terms are averaged alike.
+    # That of the pivot's slopes, times the middle's sine, lacks how the ball's answer to a fast
+    # drive goes with its force; but what is wrong with both places cancels in it.
+    bend, answer = _bends(steps, angles), np.zeros((len(steps) - 1, angles.shape[1]))
+    forces = _accelerations(times, motion.pivots)
+    for axis, share in enumerate((cosine, sine)):
+        place, force, middle = motion.pivots[:, axis, None], forces[:, axis, None], share[1:-1]
+        bend += _bends(steps, place) * middle
+        answer += _under_hats(steps, force * share) - _under_hats(steps, force) * middle
+    sine, cosine, size = (_under_hats(steps, each) for each in (sine, cosine, np.abs(sine)))
     speed = 0.5 * (angles[2:] - angles[:-2])
-    terms = np.stack([bend, spans * sine, spans * cosine, speed, spans * np.abs(sine)], axis=-1)
+    terms = np.stack([bend + answer, sine, cosine, speed, size, answer], axis=-1)
     is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
     known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
     free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
     if unit == 0.0:
-        return np.empty((0, 6))
+        return np.empty((0, 7))
     inner = times[1:-1]
     parts = [_averages(inner, terms.sum(axis=1), known.all(axis=1), width * unit)]
     if angles.shape[1] == 2:
@@ -138,6 +148,37 @@ def windows(motion: Motion, width: float) -> np.ndarray:
         parts += [_averages(inner, terms[:, b], free[:, b], half) for b in (0, 1)]
     rows = np.concatenate(parts)
     return rows[np.argsort(rows[:, 0], kind="stable")]
+
+
+def _bends(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return by how much slopes differ before and after each inner frame, (frame - 2, column)."""
+    return np.diff(np.diff(values, axis=0) / steps[:, None], axis=0)
+
+
+def _under_hats(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Return integrals of values (frame, column) times a hat about each inner frame.
+
+    The hat falls from 1 to 0 at both neighbours, `steps` (frame - 1,) away. Values are taken as a
+    parabola through the three frames: Numerov's weights 1, 10 and 1 where steps are even.
+    """
+    before, after = steps[:-1, None], steps[1:, None]
+    first = (before**2 + before * after - after**2) / (12.0 * before)
+    last = (after**2 + before * after - before**2) / (12.0 * after)
+    middle = 0.5 * (before + after) - first - last
+    return np.asarray(first * values[:-2] + middle * values[1:-1] + last * values[2:])
+
+
+def _accelerations(times: np.ndarray, places: np.ndarray) -> np.ndarray:
+    """Return second derivatives of places (frame, 2) by splines through each piece without gaps."""
+    from scipy.interpolate import CubicSpline
+
+    out = np.full_like(places, np.nan)
+    known = np.flatnonzero(np.isfinite(places).all(axis=1))
+    gap = _GAP * float(np.median(np.diff(times)))
+    for piece in np.split(known, np.flatnonzero(np.diff(times[known]) >= gap) + 1):
+        if len(piece) > 1:
+            out[piece] = CubicSpline(times[piece], places[piece])(times[piece], 2)
+    return out
 
 
 def _averages(times: np.ndarray, terms: np.ndarray, ok: np.ndarray, half: float) -> np.ndarray:
