@@ -306,6 +306,11 @@ def test_a_bad_value_is_explained_next_to_its_knob(cell, run):
     enter(field, "2")
     cell.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
+    # It stays while another knob is moved, until the cell's own run is asked for.
+    cell.locator(".knobs input[type=range]").first.press("ArrowRight")
+    cell.get_by_role("button", name="Back to the run of this cell").click()
+    cell.locator(".knobs .error:visible").wait_for(state="detached")
+    assert float(field.input_value()) == run.attrs["restitution"]
 
 
 def test_a_run_that_ends_before_its_time_says_so(cell):

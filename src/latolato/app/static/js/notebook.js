@@ -94,6 +94,7 @@ class Controls {
     this.own = {};
     this.inset.runner?.stop();
     this.inset.show(this.block);
+    this.knobs.forget();
     this.show();
   }
 

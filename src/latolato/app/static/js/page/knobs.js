@@ -162,6 +162,11 @@ export class Knobs {
     return { ...registry, options };
   }
 
+  /** Forget what was typed and refused. */
+  forget() {
+    for (const knob of Object.values(this.all)) knob.forget();
+  }
+
   /**
    * Say how far the sliders go.
    * @param {Record<string, [number, number]>} spans
