@@ -100,6 +100,26 @@ def test_a_page_knows_what_a_file_says_of_slow_motion_and_plays_it_as_it_is(clip
     np.testing.assert_allclose(points["media_time"], 4.0 * truth["time"], atol=1e-3)
 
 
+def test_a_page_has_the_part_of_a_video_before_its_damage(clip, tmp_path):
+    path, truth = clip
+    content = bytearray(path.read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 600] = bytes(255 - k % 256 for k in range(600))
+    damaged = tmp_path / "damaged.mp4"
+    damaged.write_bytes(content)
+    job = {"path": str(damaged), "folder": str(tmp_path), "name": "damaged.mp4"}
+    seen, arrays = WORK["look"](job, lambda stage, share: None)
+    count = seen["frames"]
+    assert 20 < count < truth.sizes["frame"]
+    assert f"frame {count} cannot be decoded" in english(seen["damage"])
+    np.testing.assert_allclose(arrays["time"], truth.time[:count], atol=1e-3)
+    places = {"pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"]}
+    job["description"] = {**places, "length": "36.3 cm", "last_frame": count - 1}
+    _, arrays = WORK["track"](job, lambda stage, share: None)
+    _, points = unpack(arrays["points"].tobytes())
+    np.testing.assert_allclose(points["time"], truth.time[:count], atol=1e-3)
+
+
 def test_a_page_begins_with_the_frame_that_shows_the_ball(clip, tmp_path):
     path, truth = clip
 

@@ -201,6 +201,23 @@ def test_an_example_is_filmed_and_can_be_cancelled_and_removed(page):
     state(page, "empty")
 
 
+def test_a_damaged_video_begins_with_the_part_before_its_damage(page, clip, tmp_path):
+    content = bytearray(clip[0].read_bytes())
+    middle = len(content) // 2
+    content[middle : middle + 600] = bytes(255 - k % 256 for k in range(600))
+    path = tmp_path / "damaged.mp4"
+    path.write_bytes(content)
+    uploaded(page, path)
+    page.get_by_text("cannot be decoded").and_(page.get_by_text("only the part before")).wait_for()
+    last, count = page.evaluate("""() => {
+      const { last, about } = window.latolato.views.measure.session.clip;
+      return [last, about.frames];
+    }""")
+    assert last == count - 1
+    page.get_by_role("button", name="Track").click()
+    state(page, "result")
+
+
 def test_a_file_that_is_no_video_is_told_in_one_line_of_the_page_s_language(page, tmp_path):
     path = tmp_path / "note.mp4"
     path.write_text("hello")

@@ -9,6 +9,7 @@ import pytest
 
 import latolato as ll
 from latolato.cli.main import main
+from latolato.experiment.track_table import read_table
 from latolato.experiment.video import Limits, open_video
 from little_videos import encoded, sound_alone, trimmed
 
@@ -66,8 +67,14 @@ def test_a_damaged_video_is_refused_with_the_frame(swing, tmp_path, capsys):
     path = tmp_path / "damaged.mp4"
     path.write_bytes(damaged)
     told = refused(capsys, tmp_path, path, *swing.options)
-    assert re.search(r"the file is damaged: frame \d+ cannot be decoded", told)
+    count = int(re.search(r"the file is damaged: frame (\d+) cannot be decoded", told)[1])
     assert "--end" in told
+    # What is before that frame can be tracked, to its last frame.
+    end = float(swing.truth.time[count - 1])
+    table = tmp_path / "part.csv"
+    options = [*swing.options, "--end", f"{end} s", "--output", str(table)]
+    assert main(["track", str(path), *options]) == 0
+    assert read_table(table).sizes["frame"] == count
 
 
 def test_a_video_whose_last_frames_are_missing_is_tracked_and_told_of(swing, tmp_path):

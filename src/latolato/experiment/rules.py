@@ -415,6 +415,10 @@ RULES = {
         "the file is damaged: frame {count} cannot be decoded (FFmpeg: '{fault}')",
         "copy it again, or use the part before that ({@end})",
     ),
+    "part_before_damage": Rule(
+        "the file is damaged: frame {count} cannot be decoded (FFmpeg: '{fault}'), so only the "
+        "part before is used; copy the file again to have the rest"
+    ),
     "interlaced": Rule(
         "its frames are interlaced: odd and even rows were filmed at different times",
         "make frames of them, e.g. with ffmpeg -i VIDEO -vf bwdif -crf 16 NEW.mp4",

@@ -220,6 +220,9 @@ class Video:
                     planes = _planes(_square(picture, shown), self.rotation, self.is_mirrored)
                     frame = Frame(count - 1, time, *planes)
                     yield self.steadier(frame) if self.steadier else frame
+                    # What comes after the last frame that is wanted may be damaged.
+                    if time >= self.end - _ROUNDED:
+                        break
                 last = time
                 number += 1
             else:

@@ -27,11 +27,12 @@ from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_ro
 from latolato.app.experiment.store import COPY
 from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
 from latolato.app.worker import Result
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import InputError, Sentence, reading
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.importing import is_track_file
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
+from latolato.experiment.rules import said
 from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.task import check_count, prepare
 from latolato.experiment.track import run
@@ -71,7 +72,9 @@ def look(job: Job, tell: Tell) -> Result:
         return look_at_table(job), {}
     # The copy plays as the file does.
     video = open_video(job["path"], slow_motion=1.0)
-    times = write_copy(video, Path(job["folder"]) / COPY, lambda share: tell("reading", share))
+    times, damage = write_copy(
+        video, Path(job["folder"]) / COPY, lambda share: tell("reading", share)
+    )
     with reading(job["path"]):
         check_count(len(times))
     np.save(Path(job["folder"]) / TIMES, times)
@@ -79,9 +82,11 @@ def look(job: Job, tell: Tell) -> Result:
     result: dict[str, Any] = {
         "width": video.width, "height": video.height, "frames": len(times),
         "duration": times[-1] - times[0], "proposal": None, "clock": video.clock._asdict(),
+        "damage": damage,
     }  # fmt: skip
+    whole = {"end": times[-1] / open_video(job["path"]).slow_motion} if damage else {}
     try:
-        task = prepare(Path(job["path"]), None, None, {}, None,
+        task = prepare(Path(job["path"]), None, None, whole, None,
                        lambda share: tell("finding", min(3.0 * share, 0.95)))  # fmt: skip
     except InputError:  # nothing was found: the page asks for it
         return result, arrays
@@ -92,17 +97,20 @@ def look(job: Job, tell: Tell) -> Result:
     return result, arrays
 
 
-def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> list[float]:
+def write_copy(
+    video: Video, path: Path, progress: Callable[[float], None]
+) -> tuple[list[float], Sentence | None]:
     """Write a video that browsers play; return the times of its frames [s].
 
     H.264 in MP4 as displayed, at most 1280 pixels on the longer side, each frame at its time after
-    the first.
+    the first. It ends before a frame that is damaged, which is then said.
     """
     import cv2
 
     scale = min(1.0, _LONGER / max(video.width, video.height))
     width, height = (max(2, round(side * scale / 2.0) * 2) for side in (video.width, video.height))
     times: list[float] = []
+    damage: list[Sentence] = []
     expected = video.frame_count or 1
 
     def planes(frame: Frame) -> Any:
@@ -119,7 +127,7 @@ def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> l
 
     def frames() -> Iterator[tuple[int, Any]]:
         stamp = -1
-        for frame in video.frames():
+        for frame in _undamaged(video, damage):
             times.append(frame.time)
             stamp = max(round((frame.time - times[0]) * TICKS), stamp + 1)
             yield stamp, planes(frame)
@@ -128,7 +136,17 @@ def write_copy(video: Video, path: Path, progress: Callable[[float], None]) -> l
 
     rate = video.frame_rate if 1.0 <= video.frame_rate <= 1000.0 else 30.0
     write_video(path, frames(), fps=rate, crf=_CRF, rotation=0, key_every=_KEY_EVERY)
-    return times
+    return times, damage[0] if damage else None
+
+
+def _undamaged(video: Video, damage: list[Sentence]) -> Iterator[Frame]:
+    """Decode the frames of a video up to a damaged one, and append what is wrong with that."""
+    try:
+        yield from video.frames()
+    except InputError as error:
+        if not (isinstance(error.rule, Sentence) and error.rule.named.name == "damaged_video"):
+            raise
+        damage.append(said("part_before_damage", **error.rule.named.values))
 
 
 def track(job: Job, tell: Tell) -> Result:

@@ -12,6 +12,7 @@ import { Track } from "./track.js";
 /**
  * @typedef {{width: number, height: number, frames: number, duration: number,
  *   clock: {capture_rate: number, shown_rate: number, slow_motion: number, is_sure: boolean},
+ *   damage: import("../model/rules.js").Sentence | null,
  *   proposal: {pivot: number[] | null, balls: number[][], radius: number, click_frame: number} | null}} ClipAbout
  * @typedef {{name: string, value: number, sigma: number, units: string,
  *   given?: Record<string, number>}} Answer
@@ -197,6 +198,7 @@ export class Session {
     if (isNew) {
       clip.places = { ...toolPlaces(about), ...clip.proposed };
       clip.clickFrame = proposal?.click_frame ?? 0;
+      if (about.damage) clip.last = about.frames - 1;
     }
     this.changed();
   }

@@ -7,6 +7,7 @@ import { Form } from "../page/form.js";
 import { leaveOut } from "../page/link_parts.js";
 import { short } from "../page/unit_text.js";
 import { withLabels } from "../page/option_labels.js";
+import { warningsText } from "../page/refusals.js";
 import { t } from "../strings.js";
 import { isSeen } from "./session.js";
 import { openOf } from "./sheet.js";
@@ -166,7 +167,8 @@ export class Setup {
     this.hasStick.box.checked = clip.hasStick;
     this.patch.hidden = clip.shape === "disc";
     this.stickLength.hidden = !clip.hasStick;
-    this.clock.textContent = clockText(clip.about?.clock);
+    const { damage, clock } = clip.about ?? {};
+    this.clock.textContent = [damage ? warningsText([damage]) : "", clockText(clock)].join(" ").trim();
     this.clock.hidden = !this.clock.textContent;
     const isOwn = clip.field !== null && clip.field in this.fields && isSeen(clip);
     this.tellWrong();
