@@ -7,7 +7,7 @@ import { ClipClock } from "../../../src/latolato/app/static/js/measure/video_clo
 import { clockText } from "../../../src/latolato/app/static/js/measure/setup.js";
 import { panelsOf, Track } from "../../../src/latolato/app/static/js/measure/track.js";
 import { valueAt } from "../../../src/latolato/app/static/js/player/traces.js";
-import { withSigma } from "../../../src/latolato/app/static/js/page/unit_text.js";
+import { toPlace, withSigma } from "../../../src/latolato/app/static/js/page/unit_text.js";
 
 test("a number is told to the second digit of its deviation", () => {
   assert.equal(withSigma(0.0027411, 1.2e-6), "0.0027411 ± 0.0000012");
@@ -16,6 +16,14 @@ test("a number is told to the second digit of its deviation", () => {
   assert.equal(withSigma(20, 150), "20 ± 150");
   assert.equal(withSigma(5, 0), "5");
   assert.equal(withSigma(NaN, 1), "–");
+});
+
+test("the ends of an interval have the digits of the standard deviation", () => {
+  assert.equal(toPlace(1.209257, 8.2e-6), "1.2092570");
+  assert.equal(toPlace(-0.5, 0.01), "−0.500");
+  assert.equal(toPlace(123456, 300), "123460");
+  assert.equal(toPlace(-3.14e-5, 2e-7), "−3.14e−5");
+  assert.equal(toPlace(5, NaN), "5");
 });
 
 const track = (afterGaps = []) => new Track({

@@ -72,9 +72,12 @@ export function withSigma(value, sigma) {
  * @returns {string}
  */
 export function toPlace(value, sigma) {
+  const minus = (/** @type {string} */ text) => text.replaceAll("-", "−");
   const digits = 1 - Math.floor(Math.log10(sigma));
-  if (!(digits >= 0 && digits <= 6)) return localShort(value, 5).replace("-", "−");
-  return local(value.toFixed(digits).replace("-", "−"));
+  if (digits >= 0 && digits <= 12 && Math.abs(value) >= SMALL) return minus(local(value.toFixed(digits)));
+  // Small and large numbers as powers of ten.
+  const figures = Math.floor(Math.log10(Math.abs(value))) + digits + 1;
+  return minus(localShort(value, Number.isFinite(figures) ? Math.min(Math.max(figures, 1), 12) : 5));
 }
 
 /** @param {number} power */
