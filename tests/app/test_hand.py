@@ -193,6 +193,16 @@ def test_a_refused_control_is_mended_in_its_field(page):
     wait_for_toy(page, "toy?.controls.restitution === 0.5")
 
 
+def test_curves_of_a_toy_that_moves_are_described_as_it_goes_on(page):
+    open_held(page, "&scenario=toy&initial_angle=1 rad&damping=0.1 kg*m/s")
+    page.wait_for_function("() => document.querySelector('.chart[aria-label*=between]')")
+    before = page.locator(".chart").first.get_attribute("aria-label")
+    page.wait_for_function(
+        "before => document.querySelector('.chart').getAttribute('aria-label') !== before",
+        arg=before,
+    )
+
+
 # Ends when the worker that computes runs has asked for all that it loads: the list is the last.
 LOADED = """async () => {
   const isAsked = () =>

@@ -153,6 +153,7 @@ export class LiveRegion {
   /** Say what happened since the last time, if that is worth saying. */
   follow() {
     const { time } = this;
+    this.onDescribe();
     const next = bestSentence(this.log, this.from, time, this.since);
     const isNew = next && isNews(next, this.last);
     this.announcedAt = performance.now();
