@@ -10,6 +10,7 @@ import xarray as xr
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
+import latolato as ll
 from app_pages import download, enter
 from app_server import frames_of
 from browser_checks import assert_panels_have_room, serious_faults
@@ -193,6 +194,20 @@ def test_the_answer_is_what_python_gives_and_its_lines_ask_the_same(client, tmp_
     xr.testing.assert_equal(found, load(output))
 
 
+@pytest.mark.parametrize("name", analyses)
+def test_python_lines_pass_each_argument_once(name):
+    scenario = "toy" if name in OF_TWO else "fig02"
+    given = {"analysis": name, "scenario": scenario, "options": {}, "settings": small(name)}
+    question = AnalysisRequest.from_json(given)
+    lines = question.python(question.arguments()).splitlines()
+    calls = []
+    function = inspect.signature(question.function)
+    names = {name: lambda *values, **named: calls.append(function.bind(*values, **named))}
+    exec("\n".join(line for line in lines[:-1] if not line.startswith("from ")), names)
+    (call,) = calls
+    assert isinstance(call.arguments["system"], ll.Pendulum | ll.LatoLato)
+
+
 @pytest.mark.parametrize("name", ["basins", "bifurcation_diagram", "first_push", "growth_rate"])
 def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
     options = {"length": "50 cm", "tolerance": "1e-7", "initial_angle": "-0.1 rad"}
@@ -352,6 +367,23 @@ def test_an_unknown_analysis_and_setting_of_the_address_are_told_and_left_out(pa
     page.goto("/?view=analyse&scenario=kapitza&analyse.what=nonsense&analyse.wrong=1")
     page.get_by_text("leaves it out: “analyse.what=nonsense”, “analyse.wrong=1”.").wait_for()
     page.get_by_role("heading", name="Choose an analysis").wait_for()
+
+
+def test_a_second_press_asks_for_nothing_else(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=floquet")
+    page.get_by_role("button", name="Compute").dblclick()
+    page.wait_for_selector("[data-answered=floquet]")
+
+
+def test_a_value_that_a_field_offers_is_taken(page, watch):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7"
+              "&analyse.ask=1")  # fmt: skip
+    field = page.get_by_role("textbox", name="Angle tolerance")
+    page.wait_for_selector(".error:visible")
+    watch.faults.clear()  # the server refuses the request
+    enter(field, "1e9")
+    page.get_by_role("button", name="Take 57.29").click()
+    assert field.input_value() == "57.29"
 
 
 def test_work_that_was_stopped_leaves_no_result(page):

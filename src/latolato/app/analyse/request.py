@@ -81,7 +81,7 @@ class AnalysisRequest:
         texts = ["system"]
         if arguments.get("drive") is not None:
             lines.append(f"drive = {constructor(arguments['drive'])}")
-            texts.append("drive")
+            texts.append("drive=drive")
         for name, value in arguments.items():
             if name in ("system", "drive") or value == parameters[name].default:
                 continue

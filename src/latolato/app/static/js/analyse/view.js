@@ -237,6 +237,8 @@ export class AnalyseView {
     const { question } = this;
     const { [ASK]: _, ...settings } = Object.fromEntries(Object.entries(this.page.store.state.extra)
       .filter(([name]) => name.startsWith(KEY)));
+    // A second press while the same is computed asks for nothing else.
+    if (this.job.isRunning && JSON.stringify(question) === this.asked) return;
     this.asked = JSON.stringify(question);
     this.setExtra({ ...settings, [ASK]: "1" });
     const block = await this.job.run("ws/analyse", question);

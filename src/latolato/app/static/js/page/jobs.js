@@ -112,6 +112,11 @@ export class JobLine {
     }
   }
 
+  /** Whether a job runs that nobody cancelled. */
+  get isRunning() {
+    return this.running !== null && !this.running.signal.aborted;
+  }
+
   /** Show nothing. */
   clear() {
     this.line.hidden = true;

@@ -112,8 +112,22 @@ export class Knob {
 
   /** Return a text that is read as this value, in the unit on show. */
   textOf(/** @type {number} */ value) {
-    const { name, size } = this.unit;
-    return `${short(value / size, 4)} ${name === "1" ? "" : name}`.trim();
+    return this.textIn(this.rounded(value));
+  }
+
+  /** Return a text of a number in the unit on show. */
+  textIn(/** @type {number} */ number) {
+    const { name } = this.unit;
+    return `${short(number)} ${name === "1" ? "" : name}`.trim();
+  }
+
+  /** Return a value to four digits in the unit on show: a limit is rounded to what it allows. */
+  rounded(/** @type {number} */ value) {
+    const number = Number(short(value / this.unit.size, 4));
+    const read = this.valueOf(this.textIn(number));
+    if (read === null || this.reaches(read) || !this.reaches(value)) return number;
+    const place = 10 ** (Math.floor(Math.log10(Math.abs(number))) - 3);
+    return read > value ? number - place : number + place;
   }
 
   /**
@@ -133,8 +147,7 @@ export class Knob {
 
   /** Return a value with its unit, as people read it. */
   wordsOf(/** @type {number} */ value) {
-    const { name, size } = this.shownAs;
-    return `${localShort(value / size, 4)} ${shownUnit(name)}`.trim();
+    return `${localShort(this.rounded(value))} ${shownUnit(this.shownAs.name)}`.trim();
   }
 
   /** Whether a text is being typed that nobody has taken yet. */
