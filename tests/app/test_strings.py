@@ -52,6 +52,26 @@ def test_a_ball_on_a_slack_string_leaves_its_circle_and_its_distance_is_written(
         assert not text or text.startswith(", slack at ")
 
 
+PLACES = """() => {
+  const { player } = window.latolato.views.toy;
+  const below = [...document.querySelectorAll(".transport button, .knobs input")];
+  const seen = new Map();
+  for (let time = 0; time < player.motion.end; time += 0.02) {
+    player.clock.seek(time);
+    const places = below.map((each) => each.getBoundingClientRect());
+    seen.set(JSON.stringify(places.map(({ x, y }) => [x, y])), player.timeText.textContent);
+  }
+  return [...seen.values()];
+}"""
+
+
+@pytest.mark.parametrize("query", [LOOP, "&scenario=toy"])
+def test_nothing_moves_on_a_phone_when_a_string_is_slack(page, query):
+    page.set_viewport_size({"width": 390, "height": 844})
+    opened(page, f"{query}&suspension=string&lang=id")
+    assert len(page.evaluate(PLACES)) == 1
+
+
 def test_a_pivot_that_moves_sideways_is_drawn_there(page):
     drive = "&drive=planar_harmonic&vertical_amplitude=0 m&horizontal_amplitude=5 cm"
     opened(page, f"{LOOP}{drive}&drive_frequency=2 Hz")

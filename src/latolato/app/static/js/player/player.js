@@ -161,6 +161,7 @@ export class Player {
    */
   show(motion) {
     this.motion = motion;
+    this.timeText?.classList.toggle("of-strings", motion.isString);
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;
     this.scene.show(motion);
