@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
@@ -211,91 +212,50 @@ def best_chain(
     is worse up to a blob and better beyond it may be missed. A chain that ends may go on anywhere
     later, for a price.
     """
-    nodes: list[_Nodes] = []
-    ended = _Nodes.at(-1, Blobs.of([], 1))
-    best, at = 0.0, (-1, -1)
-    for frame, own in enumerate(blobs):
-        now = _Nodes.at(frame, own)
-        looks, count = now.looks.copy(), len(now.totals)
-        expired = frame - _BRIDGED - 1
-        if expired >= 0:
-            ended = ended.joined(nodes[expired])
-        if count and len(ended.totals):
-            jump = dear * (_JUMP + _OTHER * _unlike(looks, ended.looks))
-            now.take(ended, ended.totals - jump, None)
-        recent = _Nodes.of(nodes[-_BRIDGED:]) if nodes else ended
-        if count and len(recent.totals):
-            cost, step = _steps(now, recent, radius, dear * _LEAP)
-            cost += _UNLIKE * _unlike(looks, recent.looks)
-            now.take(recent, recent.totals - cost, step)
-        for source in now.origins[now.origins[:, 0] >= 0]:
-            nodes[source[0]].goes_on[source[1]] = True
-        now.totals += worth[frame]
-        now.looks += _FOLLOWS * (looks - now.looks)
-        nodes.append(now)
-        if count and now.totals.max() > best:
-            best, at = float(now.totals.max()), (frame, int(np.argmax(now.totals)))
+    # Frame by frame in one array: the blobs of the last frames are a slice of it.
+    all_ = Blobs(*map(np.concatenate, zip(*blobs, strict=True)))
+    frames = np.repeat(np.arange(len(blobs)), [len(own.radii) for own in blobs])
+    firsts = np.searchsorted(frames, np.arange(len(blobs) + 1)).tolist()
+    # Of the best chain that ends at a blob: worth, speed [pixels per frame], look, blob before.
+    totals, speeds, looks = np.zeros(len(frames)), np.full((len(frames), 2), np.nan), _looks(all_)
+    origins, goes_on = np.full(len(frames), -1), np.zeros(len(frames), bool)
+    own_looks, places = looks.copy(), all_.places
+    ended = np.zeros(0, int)
+    for frame, (first, beyond) in enumerate(pairwise(firsts)):
+        early, begin = (firsts[max(frame - k, 0)] for k in (_BRIDGED + 1, _BRIDGED))
+        both = np.concatenate([ended, early + np.flatnonzero(~goes_on[early:begin])])
+        ended = both[np.argsort(-totals[both], kind="stable")[:_ENDS]]
+        before = np.concatenate([ended, np.arange(begin, first)])
+        if first == beyond or not len(before):
+            totals[first:beyond] += worth[frame]
+            continue
+        # First the leaps from chains that ended, then the steps from the last frames.
+        now, jumps = slice(first, beyond), len(ended)
+        costs = _unlike(own_looks[now], looks[before])
+        costs[:, :jumps] = dear * (_JUMP + _OTHER * costs[:, :jumps])
+        costs[:, jumps:] *= _UNLIKE
+        costs[:, jumps:] += _steps(
+            places, speeds, frames, now, slice(begin, first), radius, dear * _LEAP
+        )
+        values = totals[before] - costs
+        at = np.argmax(values, axis=1)
+        best = values[np.arange(len(at)), at]
+        better = np.flatnonzero(best > 0.0)
+        source, at, best = before[at[better]], at[better], best[better]
+        better += first
+        totals[better], origins[better], goes_on[source] = best, source, True
+        looks[better] = looks[source]
+        speeds[better] = places[better] - places[source]
+        speeds[better] /= (frame - frames[source])[:, None]
+        speeds[better[at < jumps]] = np.nan
+        totals[now] += worth[frame]
+        looks[now] += _FOLLOWS * (own_looks[now] - looks[now])
     chain = np.full(len(blobs), -1)
-    while at[0] >= 0:
-        chain[at[0]] = at[1]
-        frame, number = nodes[at[0]].origins[at[1]].tolist()
-        at = frame, number
+    node = int(np.argmax(totals)) if np.any(totals > 0.0) else -1
+    while node >= 0:
+        chain[frames[node]] = node - firsts[frames[node]]
+        node = int(origins[node])
     return chain
-
-
-@dataclass
-class _Nodes:
-    """The best chains that end at some blobs.
-
-    Their worth, the place of the blob [pixels], their speed [pixels per frame] and look (see
-    `_looks`), the frame and number of the blob before, those of the blob itself, and whether
-    another chain goes on from there.
-    """
-
-    totals: np.ndarray
-    places: np.ndarray
-    speeds: np.ndarray
-    looks: np.ndarray
-    origins: np.ndarray
-    numbers: np.ndarray
-    goes_on: np.ndarray
-
-    @classmethod
-    def at(cls, frame: int, blobs: Blobs) -> _Nodes:
-        """Return chains that begin with the blobs of a frame."""
-        count = len(blobs.radii)
-        numbers = np.column_stack([np.full(count, frame), np.arange(count)])
-        return cls(
-            np.zeros(count), blobs.places, np.full((count, 2), np.nan), _looks(blobs),
-            np.full((count, 2), -1), numbers, np.zeros(count, bool),
-        )  # fmt: skip
-
-    @classmethod
-    def of(cls, parts: list[_Nodes]) -> _Nodes:
-        """Return the chains of several sets together."""
-        return cls(*map(np.concatenate, zip(*(vars(part).values() for part in parts), strict=True)))
-
-    def __getitem__(self, chosen: np.ndarray) -> _Nodes:
-        return _Nodes(*(values[chosen] for values in vars(self).values()))
-
-    def take(self, before: _Nodes, totals: np.ndarray, steps: np.ndarray | None) -> None:
-        """Let blobs go on from earlier ones where that is worth more.
-
-        `totals` (blob, earlier) is the worth, `steps` (blob, earlier, 2) the speed.
-        """
-        own = np.arange(len(self.totals))
-        source = np.argmax(totals, axis=1)
-        value = totals[own, source]
-        better = value > self.totals
-        source = source[better]
-        self.totals[better], self.origins[better] = value[better], before.numbers[source]
-        self.speeds[better] = np.nan if steps is None else steps[own[better], source]
-        self.looks[better] = before.looks[source]
-
-    def joined(self, later: _Nodes) -> _Nodes:
-        """Return these chains and those of a frame that do not go on, the best of them."""
-        both = _Nodes.of([self, later[~later.goes_on]])
-        return both[np.argsort(-both.totals, kind="stable")[:_ENDS]]
 
 
 def _looks(blobs: Blobs) -> np.ndarray:
@@ -312,31 +272,38 @@ def _looks(blobs: Blobs) -> np.ndarray:
 
 def _unlike(looks: np.ndarray, others: np.ndarray) -> np.ndarray:
     """Return how unlike looks are, shape (look, other): 1 for hardly alike."""
-    squares = np.sum((looks[:, None] - others) ** 2, axis=-1)
-    return np.asarray(np.minimum(squares, _MOST_UNLIKE))
+    first, *rest = (
+        (one[:, None] - other) ** 2 for one, other in zip(looks.T, others.T, strict=True)
+    )
+    return np.asarray(np.minimum(first + sum(rest), _MOST_UNLIKE))
 
 
 def _steps(
-    now: _Nodes, before: _Nodes, radius: float, leap: float
-) -> tuple[np.ndarray, np.ndarray]:
-    """Return what steps from earlier blobs cost, shape (blob, earlier), and their speeds.
+    places: np.ndarray, speeds: np.ndarray, frames: np.ndarray, now: slice, before: slice,
+    radius: float, leap: float,
+) -> np.ndarray:  # fmt: skip
+    """Return what steps from earlier blobs to those of a frame cost, shape (blob, earlier).
 
     None from one frame to the next costs more than a `leap`.
     """
-    apart = now.numbers[0, 0] - before.numbers[:, 0]
-    step = now.places[:, None] - before.places
-    is_known = np.isfinite(before.speeds[:, 0])
-    led = np.where(is_known[:, None], before.speeds, 0.0) * apart[:, None]
-    off = np.linalg.norm(step - led, axis=-1)
+    apart = frames[now.start] - frames[before]
+    is_known = np.isfinite(speeds[before, 0])
+    led = np.where(is_known[:, None], speeds[before], 0.0) * apart[:, None]
+    # Column by column: numpy is slow along an axis of two.
+    u, v = (
+        place[:, None] - earlier - way
+        for place, earlier, way in zip(places[now].T, places[before].T, led.T, strict=True)
+    )
     reach = np.where(
         is_known,
         _NEAR * radius + _BENT * np.linalg.norm(led, axis=-1) + _LOOSE,
         _FIRST * radius * apart + _FIRST_LOOSE,
     )
+    off = np.sqrt(u * u + v * v)
     cost = _STEP * (off / reach) ** 2 + _MISSED * (apart - 1)
-    far = np.where(off > _MOST_STEP * reach, np.inf, cost)
+    cost[off > _MOST_STEP * reach] = np.inf
     # From one frame to the next it may leap: a fast ball at few frames a second.
-    return np.where(apart == 1, np.minimum(far, leap), far), step / apart[:, None]
+    return np.asarray(np.minimum(cost, np.where(apart == 1, leap, np.inf)))
 
 
 def worth_of(
