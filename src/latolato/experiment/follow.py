@@ -35,6 +35,8 @@ _NEVER, _HARDLY, _SELDOM, _OFTEN = 0.25, 0.1, 0.7, 0.95
 # Share of frames from which a ball that is off its circle does not swing about the pivot, and the
 # share of the arm by which it is off at least.
 _ASTRAY, _OFF = 0.4, 0.03
+# Share of the frames in which something is seen from which its rough path tells what it is.
+_PLAINLY = 0.5
 # Error of a ball's place where its pattern resembles the background, as a share of its radius:
 # where the colours learned explain all of the ball, and how much more where they explain nothing.
 # Synthetic clips: 0.04 to 0.06 where they explain nine tenths, 0.12 where they explain a quarter.
@@ -166,6 +168,8 @@ def _followed(
         geometry = Geometry.at_rest(pivot, len(sample.from_click))
     else:
         geometry = fit_geometry(sample, pivot, balls, route, size, setup.optics)
+        if route.is_seen.mean() > _PLAINLY:  # it is no wall where something else is seen at times
+            _check_distances(sample, geometry, route)
 
     def learned(radius: float | None) -> ImageModel:
         if not is_disc:
@@ -199,9 +203,9 @@ def _followed(
             free = scene
         if free.explained > scene.explained:
             scene = free
+    _check_distances(sample, geometry, route, scene.arm)
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
-    _check_distances(scene, route, seen.pivots)
     if route.is_traced:
         _check_motion(seen, seen.clean_share(~sample.repeats))
     declared = radius / scale.metres if radius and scale else None
@@ -364,13 +368,22 @@ def _check_alone(route: Route) -> None:
         raise broken("second_ball", {"time": route.meets})
 
 
-def _check_distances(scene: ImageModel, route: Route, pivots: np.ndarray) -> None:
-    """Refuse balls that are often off the circle, or oval, about pivots (frame, 2)."""
-    away = (route.places - pivots[:, None])[route.is_seen]
-    off = scene.off(away) > max(route.radius, _OFF * scene.arm)
-    if not len(away) or np.mean(off) < _ASTRAY:
+def _check_distances(
+    sample: Sample, geometry: Geometry, route: Route, arm: float | None = None
+) -> None:
+    """Refuse balls that are often off the circle, or oval, about the pivot, by their rough path.
+
+    Its radius is the `arm` [pixels], or before that is learned their typical distance.
+    """
+    places, shown_in = route.seen_in(sample.from_click)
+    if not len(places):
         return
-    low, high = (f"{end:.0f}" for end in np.quantile(np.hypot(*away.T), [0.05, 0.95]))
+    pivots = geometry.pivots[shown_in]
+    distances = np.linalg.norm(geometry.tilt.flat(places - pivots), axis=-1)
+    arm = arm or float(np.median(distances))
+    if np.mean(np.abs(distances - arm) > max(route.radius, _OFF * arm)) < _ASTRAY:
+        return
+    low, high = (f"{end:.0f}" for end in np.quantile(np.hypot(*(places - pivots).T), [0.05, 0.95]))
     place = place_text(np.median(pivots, axis=0))
     raise broken("other_pivot", {"low": low, "high": high, "place": place})
 

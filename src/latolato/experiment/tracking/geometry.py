@@ -87,11 +87,7 @@ def fit_geometry(
     ball's angle, which limits how far to the side it may move.
     """
     frames = sample.from_click
-    in_clip = [k for k, frame in enumerate(frames) if 0 <= frame.number < len(route.times)]
-    numbers = [frames[k].number for k in in_clip]
-    is_seen = route.is_seen[numbers]
-    in_sample = route.places[numbers][is_seen]
-
+    in_sample, shown_in = route.seen_in(frames)
     resting = Geometry.at_rest(pivot, len(frames))
     own, at = route.places[route.is_seen], np.broadcast_to(pivot, (int(route.is_seen.sum()), 2))
     resting.tilt = _oval(own, at, route.radius, size, optics)
@@ -105,7 +101,7 @@ def fit_geometry(
     if tracker.is_still:
         return Geometry(tracker, shifts, resting.tilt)
     moving = Geometry(tracker, shifts)
-    at = moving.pivots[in_clip].repeat(is_seen.sum(axis=1), 0)
+    at = moving.pivots[shown_in]
     moving.tilt = _oval(in_sample, at, route.radius, size, optics)
     varies = _spread(np.hypot(*moving.tilt.flat(in_sample - at).T))
     if len(in_sample) >= _FEWEST and varies > _UNSURE and about_click < _CLEARER * varies:

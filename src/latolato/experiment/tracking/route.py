@@ -20,6 +20,7 @@ from latolato.experiment.tracking.link import (
     link_alike,
     link_clicked,
 )
+from latolato.experiment.video import Frame
 
 # Frames without a detection that are bridged, and how far apart the ends of a longer gap may be
 # for a ball to have rested there [radii].
@@ -99,6 +100,13 @@ class Route:
         """Return the route of one ball."""
         one = slice(number, number + 1)
         return replace(self, places=self.places[:, one], is_seen=self.is_seen[:, one])
+
+    def seen_in(self, frames: list[Frame]) -> tuple[np.ndarray, np.ndarray]:
+        """Places (place, 2) at which balls were detected in some frames, and which of them each."""
+        in_clip = [k for k, frame in enumerate(frames) if 0 <= frame.number < len(self.times)]
+        numbers = [frames[k].number for k in in_clip]
+        is_seen = self.is_seen[numbers]
+        return self.places[numbers][is_seen], np.repeat(in_clip, is_seen.sum(axis=1))
 
     def ordered(self, pivot: np.ndarray) -> Route:
         """Return the route of two balls in their order about a pivot: they cannot pass each other.
