@@ -795,7 +795,8 @@ RULES = {
         "the pivot seems to move outside the picture, by {pixels} pixels at {rate:.2g} Hz"
     ),
     "no_circle": Rule(
-        "the path is not a circle about one pivot: it is {pixels} pixels off the best fit"
+        "the path is not a circle about a pivot at rest: places are typically {pixels} pixels off "
+        "the best one"
     ),
     "period_changes": Rule(
         "the period changes from {before:.5g} to {after:.5g} s between the halves of the clip, as "

@@ -151,8 +151,9 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
     Notes
     -----
     A pivot that moves outside the picture shows in distances from the circle that depend on time
-    instead of position and speed; one harmonic of the pivot's motion describes them. It can miss
-    a motion locked to the swing at exactly twice its frequency, which bends the path like a
+    instead of position and speed; one harmonic of the pivot's motion describes them. What it does
+    not describe, as where a string goes slack or a hand holds the ball, is no circle. It can miss a
+    motion locked to the swing at exactly twice its frequency, which bends the path like a
     different arm.
     """
     if circle is None:
@@ -161,16 +162,16 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
         return said("straight_path", pixels=f"{least:.0f}")
     for ball in range(places.shape[1]):
-        moves = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
-        if moves is not None:
-            return said("outside_pivot_moves", pixels=f"{moves[0]:.1f}", rate=moves[1])
+        doubt = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
+        if doubt is not None:
+            return doubt
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
         return said("no_circle", pixels=f"{circle.residual:.1f}")
     return None
 
 
-def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> tuple[float, float] | None:
-    """Return amplitude [pixels] and frequency [Hz] of a pivot's motion, None if it rests.
+def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> Sentence | None:
+    """Return how distances from a circle depend on time, None if its pivot rests.
 
     `away` (frame, 2) is where one ball is from the centre of its circle.
     """
@@ -185,7 +186,8 @@ def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> tuple[floa
     plain = np.column_stack([turn**k for k in range(5)] + [np.gradient(turn, times)])
     rest = off - plain @ np.linalg.lstsq(plain, off, rcond=None)[0]
     scatter = 1.4826 * float(np.median(np.abs(rest)))
-    if scatter <= max(_STILL, _STILL_SHARE * arm):
+    still = max(_STILL, _STILL_SHARE * arm)
+    if scatter <= still:
         return None
     # Uneven steps, or frequencies beyond that of the steps would look like lower ones.
     chosen = np.flatnonzero(np.abs(rest) <= _MISTAKEN * scatter)
@@ -213,4 +215,6 @@ def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> tuple[floa
     after = 1.4826 * float(np.median(np.abs(off - waves @ solution)))
     if amplitude < _SURE * sigma or after > _BETTER * scatter:
         return None
-    return amplitude, frequency
+    if after > still:
+        return said("no_circle", pixels=f"{scatter:.1f}")
+    return said("outside_pivot_moves", pixels=f"{amplitude:.1f}", rate=frequency)
