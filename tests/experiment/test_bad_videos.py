@@ -4,6 +4,7 @@ import dataclasses
 import re
 from fractions import Fraction
 
+import cv2
 import numpy as np
 import pytest
 
@@ -231,6 +232,25 @@ def test_a_ball_that_is_nowhere_is_refused(tmp_path, capsys):
     told = refused(capsys, tmp_path, path)
     assert "no moving ball was found" in told
     assert "point at pivot and ball" in told
+
+
+@pytest.mark.parametrize("share", [0.5, 1.0])
+def test_a_rod_without_a_ball_is_refused_for_that(tmp_path, capsys, share):
+    ends = [
+        np.array([160.0, 30.0]) + 120.0 * np.array([np.sin(angle), np.cos(angle)])
+        for angle in 0.6 * np.cos(0.15 * np.arange(90))
+    ]
+    pictures = [
+        cv2.line(
+            np.full((240, 320), 230, np.uint8), (160, 30), np.rint(end).astype(int).tolist(), 20, 3
+        )
+        for end in ends
+    ]
+    path = encoded(tmp_path / "rod.mp4", pictures)
+    place = (1.0 - share) * np.array([160.0, 30.0]) + share * ends[0]
+    click = "{:.0f},{:.0f}".format(*place)
+    told = refused(capsys, tmp_path, path, "--pivot", "160,30", "--ball", click)
+    assert "what moves is long and thin, and no ball stands out from it" in told
 
 
 def test_too_few_frames_are_refused(tmp_path, capsys):

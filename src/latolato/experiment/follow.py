@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -82,8 +83,7 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
         found = _found(task, sample, route, part_of(progress, READ, 1.0))
         _check_alone(route)
     if isinstance(found, PathOnly):
-        balls = [np.array(ball) for ball in setup.balls]
-        return replace(found, seen=_believed(task, sample, found.seen, balls))
+        return replace(found, seen=_believed(task, sample, route, found.seen))
     return found if isinstance(found, list) else [found]
 
 
@@ -186,7 +186,7 @@ def _followed(
     if is_unseen:
         scene = learned(None)
         seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
-        return scene, _believed(task, sample, seen, balls)
+        return scene, _believed(task, sample, route, seen)
     scale = scale_of(setup, size, (geometry.arm(balls), 0.0))
     expected = radius / scale.metres if radius and scale else None
     seen_radius = math.nan if route.is_traced else route.detected_radius
@@ -209,7 +209,7 @@ def _followed(
     if route.is_traced:
         _check_motion(seen, seen.clean_share(~sample.repeats))
     declared = radius / scale.metres if radius and scale else None
-    return scene, _believed(task, sample, seen, balls, declared)
+    return scene, _believed(task, sample, route, seen, declared)
 
 
 def _route(task: Task, sample: Sample) -> Route:
@@ -303,11 +303,7 @@ def _check_motion(seen: Positions, clean: float) -> None:
 
 
 def _believed(
-    task: Task,
-    sample: Sample,
-    seen: Positions,
-    balls: list[np.ndarray],
-    radius: float | None = None,
+    task: Task, sample: Sample, route: Route, seen: Positions, radius: float | None = None
 ) -> Positions:
     """Return a track without the samples that are not to be believed, or refuse it as a whole."""
     if isinstance(task.video.steadier, Steadier):
@@ -319,11 +315,12 @@ def _believed(
     clean = seen.clean_share(~sample.repeats)
     if share < _NEVER or clean < _HARDLY:
         shares = {"percent": f"{100.0 * share:.0f}", "clean": f"{100.0 * clean:.0f}"}
-        values = {"place": place_text(*balls), "frame": task.setup.click_frame, **shares}
-        error = broken("rarely_found", values)
+        place = {"place": place_text(*task.setup.balls), "frame": task.setup.click_frame}
+        error = _fault(route, "rarely_found", {**place, **shares})
         if factor != 1.0:
             error.add_way_out(pace)
         raise error
+    balls = [np.array(ball) for ball in task.setup.balls]
     for finding in examine(sample, seen, balls, radius):
         if finding.is_refusal:
             raise finding.fault
@@ -385,7 +382,12 @@ def _check_distances(
         return
     low, high = (f"{end:.0f}" for end in np.quantile(np.hypot(*(places - pivots).T), [0.05, 0.95]))
     place = place_text(np.median(pivots, axis=0))
-    raise broken("other_pivot", {"low": low, "high": high, "place": place})
+    raise _fault(route, "other_pivot", {"low": low, "high": high, "place": place})
+
+
+def _fault(route: Route, rule: str, values: dict[str, Any]) -> InputError:
+    """Return why what was followed is no ball that swings: a rod is none for a simpler reason."""
+    return broken("long_and_thin") if route.is_rod else broken(rule, values)
 
 
 def _doubt(scene: ImageModel) -> float:

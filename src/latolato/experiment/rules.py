@@ -524,6 +524,9 @@ RULES = {
         "of the samples, and no swing was seen: {doubt}",
         "point at the middle of the ball that swings, and at its pivot",
     ),
+    "long_and_thin": Rule(
+        "what moves is long and thin, and no ball stands out from it", "point at pivot and ball"
+    ),
     "jumping_ball": Rule(
         "what was followed at {place} does not swing: it jumps about by {scatter} pixels",
         "point at the middle of the ball that swings",

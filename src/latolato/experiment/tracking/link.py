@@ -38,6 +38,8 @@ _LEAPS, _FAST = 2.0, 0.6
 # Share of the way that something typically goes without a leap below which a part hardly moves, and
 # how far from the rest of the path it is something else then [radii].
 _HARDLY, _ASIDE = 0.25, 2.0
+# How much longer than wide a thing is a rod, and no ball.
+_ROD = 5.0
 # Logarithm of the ratio of radii that are hardly alike.
 _SIZE = 0.7
 # What a step between blobs that are hardly alike costs, and how much more one of quite others.
@@ -87,6 +89,12 @@ class Trajectory:
     def radius(self) -> float:
         """Typical half width [pixels]."""
         return float(np.nanmedian(self.radii)) if self.is_seen.any() else math.nan
+
+    @property
+    def is_rod(self) -> bool:
+        """Whether it is a rod and no ball: long and thin, even where it is slow."""
+        is_long = self.is_seen.any() and np.nanquantile(self.lengths, 0.1) > _ROD * self.radius
+        return bool(is_long)
 
     @cached_property
     def parts(self) -> list[np.ndarray]:

@@ -40,8 +40,6 @@ _ALL_WAY = 0.35
 # How roughly things move that are half as likely a ball, and that are none: fewer than 8 frames
 # show a swing, or what flickers in several places was linked.
 _ROUGH, _ROUGHEST = 0.5, 0.75
-# How much longer than wide a thing is a rod, and no ball.
-_LONG = 5.0
 # How far off a circle something is half as likely a ball: pixels and share of its way.
 _LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
@@ -170,11 +168,8 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
     best, _, first = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
     if first is None or not best > 0.0:
         raise InputError("no moving ball was found", way_out="point at pivot and ball")
-    if _is_rod(first):
-        raise InputError(
-            "what moves is long and thin, and no ball stands out from it",
-            way_out="point at pivot and ball",
-        )
+    if first.is_rod:
+        raise broken("long_and_thin")
     # Its look is known now: it and another ball like it are linked again by that, apart.
     again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
     other, _ = link_alike(left, first, _DEAR[0])
@@ -221,11 +216,6 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
         off = float(np.ptp(np.quantile(away, [0.1, 0.9])) / (_ABOUT * np.median(away)))
     likely = 1.0 / (1.0 + off**2) / (1.0 + (rough / _ROUGH) ** 4)
     return math.sqrt(share) * travel * track.radius * likely, off
-
-
-def _is_rod(track: Trajectory) -> bool:
-    """Return whether what moves is a rod and no ball: long and thin, even where it is slow."""
-    return float(np.nanquantile(track.lengths, 0.1)) > _LONG * track.radius
 
 
 def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: bool) -> Sample:

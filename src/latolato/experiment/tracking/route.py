@@ -64,6 +64,8 @@ class Route:
         Share of the time between frames that the length of smears shows, roughly.
     is_traced : bool
         Whether balls hardly leave their places: then only their rims are detected.
+    is_rod : bool
+        Whether what moves there is long and thin, and no ball.
     meets : float
         When a ball that nobody pointed at, and that looks the same, comes near the only one [s];
         NaN if none does.
@@ -76,6 +78,7 @@ class Route:
     detected_radius: float
     exposure: float = 0.0
     is_traced: bool = False
+    is_rod: bool = False
     meets: float = math.nan
 
     @property
@@ -224,17 +227,20 @@ def find_route(
         if frame != number:
             left[frame] = empty
     tracks: list[Trajectory] = []
+    is_rod = False
     for click, pivot in zip(clicks, pivots, strict=True):
-        if 0 <= number < len(left) and not _is_by_itself(
+        track, others = link_clicked(left, copies, click, number, radius, pivot)
+        is_rod |= track.is_rod
+        if not 0 <= number < len(left) or _is_by_itself(
             left[number], click, copies, number, radius
         ):
+            left = others
+        else:
             # It is a part of something larger that moves with it: its colour tells it.
             colour = copies.colour(number, click, radius or 2.0 * copies.shrink)
             own = detect(copies, colour)
-            track, rest = link_clicked(own, copies, click, number, radius, pivot)
-            left = rest if len(clicks) == 1 else left
-        else:
-            track, left = link_clicked(left, copies, click, number, radius, pivot)
+            track, others = link_clicked(own, copies, click, number, radius, pivot)
+            left = others if len(clicks) == 1 else left
         tracks.append(track)
     detected_radius = float(np.median([track.radius for track in tracks]))
     size = radius or detected_radius
@@ -273,7 +279,7 @@ def find_route(
     route = Route(times, places, is_seen, size, detected_radius, is_traced=any(is_traced))
     if len(tracks) == 1:
         route.meets = _meeting(times, tracks[0], left)
-    return replace(route, exposure=_exposure(route, tracks))
+    return replace(route, is_rod=is_rod, exposure=_exposure(route, tracks))
 
 
 def _are_one(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray:
