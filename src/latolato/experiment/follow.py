@@ -309,7 +309,8 @@ def _believed(
     if isinstance(task.video.steadier, Steadier):
         unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
         seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
-    share = float(seen.is_measured.mean())
+    # Repeated pictures are not measured, so they do not count.
+    share = float(seen.is_measured[~sample.repeats].mean())
     factor = task.setup.slow_motion
     pace = said("wrong_pace", factor=factor)
     clean = seen.clean_share(~sample.repeats)
