@@ -284,7 +284,8 @@ def _split(
         across, down, skew = (weight[name] / total for name in ("mu20", "mu02", "mu11"))
         mean, half = 0.5 * (across + down) + 1.0 / 12.0, math.hypot(0.5 * (across - down), skew)
         typical = _ranked(apart[own], 0.5)
-        colours = _ranked(both[own & (apart >= typical)], 0.5)
+        # A colour after the other: numpy is slow along an axis of six.
+        colours = _ranked(both[own & (apart >= typical)].T.copy(), 0.5)
         rows.append((
             weight["m10"] / total, weight["m01"] / total,
             2.0 * math.sqrt(mean - half), 2.0 * math.sqrt(mean + half), typical, *colours,
@@ -293,7 +294,8 @@ def _split(
 
 
 def _ranked(values: np.ndarray, share: float) -> Any:
-    """Return a quantile along the first axis; numpy is slower for so few values."""
-    at = share * (len(values) - 1)
-    low, high = np.sort(values, axis=0)[[math.floor(at), math.ceil(at)]].astype(float)
-    return low + (at % 1.0) * (high - low)
+    """Return a quantile of numbers of 8 bits along the last axis; they are sorted in place."""
+    at = share * (values.shape[-1] - 1)
+    values.sort(axis=-1, kind="stable")  # by their digits: many times faster than numpy's quantile
+    low, high = values[..., math.floor(at)], values[..., math.ceil(at)]
+    return low + (at % 1.0) * (high.astype(float) - low)
