@@ -98,6 +98,18 @@ def test_a_ball_that_swings_about_another_pivot_is_refused_for_that(film):
 
 
 @quiet
+def test_what_the_rough_path_decides_is_refused_before_anything_is_learned(film, monkeypatch):
+    def learned(*_, **__):
+        pytest.fail("a scene was learned")
+
+    monkeypatch.setattr(follow, "learn_image_model", learned)
+    path, attrs = film("parked(0.3, -0.05)", parked_x=0.3, parked_y=-0.05)
+    u, v = _place(attrs, "pivot")
+    _assert_refused(path, (u, v), _place(attrs, "parked"), "it rests")
+    _assert_refused(path, (u - 60, v + 20), _place(attrs, "ball_1"), "does not swing about it")
+
+
+@quiet
 def test_clicks_on_the_rod_and_the_wrong_way_round_blame_no_pivot(film):
     path, attrs = film("plain")
     pivot, ball = (np.array(_place(attrs, name)) for name in ("pivot", "ball_1"))

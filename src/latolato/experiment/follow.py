@@ -18,7 +18,7 @@ from latolato.experiment.rules import broken, place_text, said
 from latolato.experiment.sidecar import Setup
 from latolato.experiment.task import READ, Progress, Task, part_of
 from latolato.experiment.tracking.body import ROUND, SHARE
-from latolato.experiment.tracking.gate import examine
+from latolato.experiment.tracking.gate import examine, moving_ball
 from latolato.experiment.tracking.geometry import Geometry, fit_geometry
 from latolato.experiment.tracking.learn import ImageModel, learn_image_model
 from latolato.experiment.tracking.positions import Positions, meetings
@@ -74,6 +74,9 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
         If what was followed is no ball, does not swing about the pivot, or may be another ball.
     """
     setup, route = task.setup, _route(task, sample)
+    at_rest = moving_ball(_positions(task, sample, route))
+    if at_rest is not None:
+        raise at_rest.fault
     found: list[Track] | Track | PathOnly
     if setup.has_own_pivots or _has_own_arms(setup, task.video):
         found = _each_alone(task, sample, route, progress)
@@ -81,7 +84,8 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
         if setup.pivot is not None:
             route = route.ordered(np.array(setup.pivot))
         found = _found(task, sample, route, part_of(progress, READ, 1.0))
-        _check_alone(route)
+        if math.isfinite(route.meets):  # a ball that looks the same, and nobody pointed at
+            raise broken("second_ball", {"time": route.meets})
     if isinstance(found, PathOnly):
         return replace(found, seen=_believed(task, sample, route, found.seen))
     return found if isinstance(found, list) else [found]
@@ -358,12 +362,6 @@ def _calibrated(
         measured.sigmas = np.hypot(measured.sigmas, unsure)
         task.warnings.append(said("turning_pattern", off=1e3 * unsure))
     return measured
-
-
-def _check_alone(route: Route) -> None:
-    """Refuse a ball that meets one of the same look that nobody pointed at."""
-    if math.isfinite(route.meets):
-        raise broken("second_ball", {"time": route.meets})
 
 
 def _check_distances(
