@@ -8,7 +8,7 @@ import re
 import numpy as np
 import pytest
 
-from app_pages import open_view
+from app_pages import enter, open_view
 from browser_checks import serious_faults
 from held_pages import AT_REST
 
@@ -18,10 +18,12 @@ TOY = "&scenario=toy"
 SMALL = "&map.scenario=fig05_push&map.duration=20&map.size=8&map.observable=largest_angle"
 QUERIES = {"toy": TOY, "held": TOY, "map": SMALL}
 # What the page says, with the times at which it does [ms].
-WATCH = """() => {
+WATCH = """async () => {
   window.said = [];
   const line = document.querySelector(".narration");
-  const { liveRegion } = window.latolato.views.toy.player.accessibility;
+  const { accessibility } = window.latolato.views.toy.player;
+  await accessibility.load();
+  const { liveRegion } = accessibility;
   new MutationObserver(() => window.said.push([liveRegion.announcedAt, line.textContent]))
     .observe(line, { childList: true, characterData: true, subtree: true });
 }"""
@@ -261,6 +263,43 @@ def test_clacks_are_switched_on_the_stage_and_the_rest_is_folded(page, view):
     page.keyboard.press("w")
     assert said(page).startswith("Two balls hang")
     assert page.locator(".narration").is_visible()
+
+
+def pressed(page, name):
+    """Press a button by the keyboard, and return what has the focus once the button is gone."""
+    button = page.get_by_role("button", name=name).first
+    button.focus()
+    handle = button.element_handle()
+    page.keyboard.press("Enter")
+    page.wait_for_function(
+        """button => !(button.isConnected && button.checkVisibility()) || button.disabled""",
+        arg=handle,
+    )
+    page.wait_for_function("() => document.activeElement !== document.body")
+    return page.evaluate_handle("() => document.activeElement")
+
+
+def test_the_focus_stays_near_a_button_that_goes(page):
+    open_view(page, TOY, "toy")
+    knob = page.locator(".knob").filter(has=page.get_by_label("Bounciness", exact=False)).first
+    field = knob.get_by_role("textbox")
+    enter(field, "2")
+    at = pressed(page, "Take 1")
+    assert at.evaluate("(at, knob) => knob.contains(at)", knob.element_handle())
+    # Who points beside all controls wants none.
+    page.locator(".headline h2").first.click()
+    page.wait_for_timeout(300)
+    assert page.evaluate(
+        "() => document.activeElement.contains(document.querySelector('.headline'))"
+    )
+
+
+def test_the_focus_stays_on_the_page_when_work_is_cancelled(page):
+    page.goto("/?view=analyse&scenario=fig02&analyse.what=basins"
+              "&analyse.angle_points=300&analyse.velocity_points=300&analyse.ask=1")  # fmt: skip
+    page.get_by_role("progressbar").wait_for()
+    at = pressed(page, "Cancel")
+    assert at.evaluate("at => at.closest('.view') !== null")
 
 
 # The element that has the focus, and whether one sees that.

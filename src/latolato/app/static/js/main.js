@@ -1,7 +1,7 @@
 /** The page: its views, its colours and what they share. */
 
 import { loadRegistry } from "./model/registry.js";
-import { beforePrint, el } from "./page/dom.js";
+import { beforePrint, el, isUsable } from "./page/dom.js";
 import { keep, recall } from "./page/preferences.js";
 import { speakInPage } from "./page/language.js";
 import { actingLink } from "./page/links.js";
@@ -32,6 +32,9 @@ const THEME = "latolato.theme";
 const NOT_STORED = "#not-stored";
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms
+const FOCUSABLE = "a[href], button, input, select, textarea, summary, [tabindex='0']";
+// The focus is looked for as often.
+const SOON = 100; // ms
 
 /** Show the theme that was chosen and tell those that draw. */
 function applyTheme(/** @type {string} */ theme) {
@@ -186,6 +189,34 @@ function startStories(page) {
   begin("address");
 }
 
+/**
+ * Keep a place for the keyboard: where the element that has the focus goes or is disabled, the next one
+ * in the smallest part of the page that is left takes it, else the one before.
+ */
+function keepFocus() {
+  /** What had the focus, and all that it was in. @type {Element[]} */
+  let chain = [];
+  document.addEventListener("focusin", ({ target }) => {
+    chain = [];
+    for (let at = /** @type {Element | null} */ (target); at; at = at.parentElement) chain.push(at);
+  });
+  // Who points beside all controls wants none; one that is pointed at takes the focus after this.
+  document.addEventListener("pointerdown", () => { chain = []; }, true);
+  setInterval(() => {
+    const [held, ...around] = chain;
+    if (!held || document.activeElement !== document.body || isUsable(held)) return;
+    for (const part of around.filter(isUsable)) {
+      const all = [...part.querySelectorAll(FOCUSABLE)].filter(isUsable);
+      const next = all.find((each) =>
+        held.compareDocumentPosition(each) === Node.DOCUMENT_POSITION_FOLLOWING);
+      const nearest = /** @type {HTMLElement | undefined} */ (held.isConnected ? next ?? all.at(-1) : all[0]);
+      if (!nearest) continue;
+      nearest.focus({ preventScroll: true });
+      return;
+    }
+  }, SOON);
+}
+
 /** Keep the site in the browser, so that it opens without a network. */
 async function keepOffline() {
   // A site in a frame leaves that to the page around it; pages of the program change with it.
@@ -226,6 +257,7 @@ if (location.hash === NOT_STORED) {
 }
 /** @type {HTMLElement} */ (document.querySelector(".skip")).textContent = t("skip");
 startTheme();
+keepFocus();
 startViews(page);
 startStories(page);
 if (!registry.server) keepOffline().catch(() => {});

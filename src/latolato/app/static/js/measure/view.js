@@ -106,16 +106,9 @@ export class MeasureView {
     for (const file of event.dataTransfer?.files ?? []) void this.session.add(file);
   }
 
-  /** Draw everything that depends on the session; the focus stays in the view. */
+  /** Draw everything that depends on the session. */
   update() {
     if (!this.session) return;
-    const held = this.root.contains(document.activeElement) ? document.activeElement : null;
-    this.draw();
-    if (held && !isUsable(held)) [this.setup?.cancel, this.setup?.track, this.setup?.again,
-      this.drop.querySelector("input")].find((each) => each && isUsable(each))?.focus();
-  }
-
-  draw() {
     const { desk, clip } = this.session;
     if (desk.hello && !this.setup) this.build(desk.hello);
     const state = clip?.stage ?? clip?.mode ?? "empty";
@@ -414,14 +407,6 @@ export class MeasureView {
     const own = Object.fromEntries(Object.entries(options).filter(([name, value]) => value !== known[name]?.default));
     openState(this.page, { view: "toy", scenario: null, options: textsOf(this.page.registry, own) });
   }
-}
-
-/**
- * Return whether an element can have the focus.
- * @param {Element} element
- */
-function isUsable(element) {
-  return element.checkVisibility() && !element.matches(":disabled");
 }
 
 /**

@@ -83,6 +83,11 @@ export function beforePrint(act) {
   return () => window.removeEventListener("beforeprint", act);
 }
 
+/** Return whether an element is in the page, visible and not disabled. */
+export function isUsable(/** @type {Element} */ element) {
+  return element.checkVisibility() && !element.matches(":disabled");
+}
+
 let count = 0;
 
 /** Return an id that no other element has. */
