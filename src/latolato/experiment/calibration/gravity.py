@@ -14,7 +14,7 @@ from latolato.experiment.calibration.swing import Motion, Swing, fit_swing
 STROKE = 6.0
 # By how many deviations axis and swing may differ for both to be right, and from which on the drive
 # is oblique: a ball's pattern that turns over the top draws the swing aside by half a dozen.
-_APART, _OBLIQUE = 3.0, 10.0
+_AGREE, _OBLIQUE = 3.0, 10.0
 # Lean from which a motion of the pivot is no drive [rad].
 _LEAN = math.radians(40.0)
 # Parts of the pivot's axis that are compared.
@@ -42,9 +42,13 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
     """Return gravity's direction by the axis of a drive or by the swing, whichever is surer.
 
     Angles of the motion are those from straight down in the picture. A drive need not be vertical:
-    where the swing clearly says otherwise, its axis does not count.
+    where the swing clearly says otherwise, its axis does not count. Where it does not, the swing is
+    read again as that about a pivot that moves along gravity.
     """
     axis, swing = _drive_axis(motion.pivots * hinge.arm), fit_swing(motion)
+    if axis is not None and not _is_oblique(axis, swing):
+        vertical = fit_swing(motion, axis.direction)
+        swing = swing if vertical is None or _is_oblique(axis, vertical) else vertical
     if swing is None or swing.direction_sigma > LEVELLED:
         if axis is None:
             return Gravity(0.0, "image", LEVELLED, swing)
@@ -52,13 +56,22 @@ def find_gravity(motion: Motion, hinge: Hinge) -> Gravity:
         lean = max(axis.sigma, abs(axis.direction) - LEVELLED)
         return replace(axis, source="vertical drive", sigma=lean, swing=swing)
     down = Gravity(swing.direction, "swing", swing.direction_sigma, swing)
-    if axis is None:
-        return down
-    apart = abs(math.remainder(axis.direction - down.direction, math.tau))
-    if apart > _OBLIQUE * math.hypot(axis.sigma, down.sigma):
+    if axis is None or _is_oblique(axis, swing):
         return down
     best = min(axis, down, key=lambda each: angle_offset_sigma(each, hinge))
-    return replace(best, sigma=max(best.sigma, apart / _APART), swing=swing)
+    return replace(best, sigma=max(best.sigma, _apart(axis, swing) / _AGREE), swing=swing)
+
+
+def _apart(axis: Gravity, swing: Swing) -> float:
+    """Return the angle between a drive's axis and the direction of gravity by the swing [rad]."""
+    return abs(math.remainder(axis.direction - swing.direction, math.tau))
+
+
+def _is_oblique(axis: Gravity, swing: Swing | None) -> bool:
+    """Return whether a swing clearly says that a drive is not vertical."""
+    if swing is None or swing.direction_sigma > LEVELLED:
+        return False
+    return _apart(axis, swing) > _OBLIQUE * math.hypot(axis.sigma, swing.direction_sigma)
 
 
 def is_upside_down(motion: Motion) -> bool:

@@ -86,9 +86,10 @@ def parts_of(motion: Motion) -> list[tuple[float, float, float]]:
     rows = windows(motion, _WIDTH)
     if len(rows) < _FEWEST:
         return []
-    times, bend, sine = rows[:, :3].T
+    times, bend, push, _, sine = rows[:, :5].T
     square = uniform_filter1d(sine**2, _FEWEST, mode="nearest")
-    near = uniform_filter1d(-bend * sine, _FEWEST, mode="nearest") / np.maximum(square, 1e-30)
+    pull = uniform_filter1d(-(bend + push) * sine, _FEWEST, mode="nearest")
+    near = pull / np.maximum(square, 1e-30)
     low, high = np.maximum(np.quantile(near, [_LEAST, 1.0 - _LEAST]), 0.0)
     if high <= _OTHER**2 * low:
         return []

@@ -57,8 +57,17 @@ class Swing(NamedTuple):
     stiffness_sigma: float
 
 
-def fit_swing(motion: Motion) -> Swing | None:
+def fit_swing(motion: Motion, axis: float | None = None) -> Swing | None:
     """Return what a swing shows of gravity, None if it is no swing of a pendulum.
+
+    Parameters
+    ----------
+    motion : Motion
+        What was seen.
+    axis : float, optional
+        Direction of a drive that is vertical, as it was seen [rad]. The pivot then moves along
+        gravity, wherever that is found. What was seen of it across the axis is an error, for the
+        wall draws a pivot aside; to the equation it would be a push.
 
     Notes
     -----
@@ -72,22 +81,27 @@ def fit_swing(motion: Motion) -> Swing | None:
     """
     from scipy.optimize import least_squares
 
+    if axis is not None:
+        up = np.array([-math.sin(axis), math.cos(axis)])
+        motion = motion._replace(pivots=np.outer(motion.pivots @ up, up))
     rows = next(
         (each for each in (windows(motion, width) for width in _WIDTHS) if len(each) >= _FEWEST),
         None,
     )
     if rows is None:
         return None
-    _, bend, sine, cosine, speed, pull, answer = rows.T
+    _, bend, push, turned, sine, cosine, speed, pull, answer = rows.T
 
     def rest(p: np.ndarray) -> np.ndarray:
         c, s = math.cos(p[0]), math.sin(p[0])
-        return np.asarray(bend + p[1] * (c * sine - s * cosine) + p[2] * speed)
+        lean = 0.0 if axis is None else p[0] - axis
+        driven = math.cos(lean) * push + math.sin(lean) * turned
+        return np.asarray(bend + driven + p[1] * (c * sine - s * cosine) + p[2] * speed)
 
     # A hand may hold the ball for a while: of all windows and each half, what explains most begins.
     half, starts = len(rows) // 2, []
     for part in (slice(None), slice(half), slice(half, None)):
-        a, b, drag = np.linalg.lstsq(-rows[part, 2:5], bend[part], rcond=None)[0]
+        a, b, drag = np.linalg.lstsq(-rows[part, 4:7], (bend + push)[part], rcond=None)[0]
         turn = math.atan2(-b, max(a, 1e-3 * abs(b)))
         starts.append(np.array([turn, math.hypot(a, b), drag]))
     known = min(starts, key=lambda p: float(np.median(np.abs(rest(p)))))
@@ -114,33 +128,30 @@ def fit_swing(motion: Motion) -> Swing | None:
 
 
 def windows(motion: Motion, width: float) -> np.ndarray:
-    """Return the terms of the equation in windows in order of time, shape (window, 7).
+    """Return the terms of the equation in windows in order of time, shape (window, 9).
 
-    They are the time of its middle, the angular acceleration and what a moving pivot adds to it,
-    sine and cosine of the angle, the speed, the size of the sine, and which part of the second one
-    is the ball's answer to a fast drive. Half a window is as long as the phase of the fastest swing
-    needs to grow by a `width`.
+    They are the time of its middle, the angular acceleration, what a moving pivot adds to it, and
+    would add if it moved a quarter turn to the left of that, sine and cosine of the angle, the
+    speed, the size of the sine, and which part of what the pivot adds is the ball's answer to a
+    fast drive. Half a window is as long as the phase of the fastest swing needs to grow by a
+    `width`.
     """
     times, angles, unit = motion.times, motion.angles, _unit(motion)
     steps = np.diff(times)
     sine, cosine = np.sin(angles), np.cos(angles)
     # A difference of slopes is what a hat of two steps averages, and the terms are averaged alike.
-    # That of the pivot's slopes, times the middle's sine, lacks how the ball's answer to a fast
-    # drive goes with its force; but what is wrong with both places cancels in it.
-    bend, answer = _bends(steps, angles), np.zeros((len(steps) - 1, angles.shape[1]))
     forces = _accelerations(times, motion.pivots)
-    for axis, share in enumerate((cosine, sine)):
-        place, force, middle = motion.pivots[:, axis, None], forces[:, axis, None], share[1:-1]
-        bend += _bends(steps, place) * middle
-        answer += _under_hats(steps, force * share) - _under_hats(steps, force) * middle
-    sine, cosine, size = (_under_hats(steps, each) for each in (sine, cosine, np.abs(sine)))
+    push, answer = _pushes(steps, motion.pivots, forces, (cosine, sine))
+    turned, _ = _pushes(steps, motion.pivots, forces, (sine, -cosine))
     speed = 0.5 * (angles[2:] - angles[:-2])
-    terms = np.stack([bend + answer, sine, cosine, speed, size, answer], axis=-1)
+    sine, cosine, size = (_under_hats(steps, each) for each in (sine, cosine, np.abs(sine)))
+    bend = _bends(steps, angles)
+    terms = np.stack([bend, push, turned, sine, cosine, speed, size, answer], axis=-1)
     is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
     known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
     free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
     if unit == 0.0:
-        return np.empty((0, 7))
+        return np.empty((0, 9))
     inner = times[1:-1]
     parts = [_averages(inner, terms.sum(axis=1), known.all(axis=1), width * unit)]
     if angles.shape[1] == 2:
@@ -153,6 +164,23 @@ def windows(motion: Motion, width: float) -> np.ndarray:
 def _bends(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
     """Return by how much slopes differ before and after each inner frame, (frame - 2, column)."""
     return np.diff(np.diff(values, axis=0) / steps[:, None], axis=0)
+
+
+def _pushes(
+    steps: np.ndarray, pivots: np.ndarray, forces: np.ndarray, shares: tuple[np.ndarray, np.ndarray]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what shares (frame, ball) of a pivot's acceleration are under hats, and a part of it.
+
+    The shares are those of its motion to the right and up. The difference of its slopes, times the
+    middle's share, lacks how the ball's answer to a fast drive goes with the force, which is that
+    part; but what is wrong with the places of both cancels in it.
+    """
+    pushes = answers = np.zeros((len(steps) - 1, shares[0].shape[1]))
+    for axis, share in enumerate(shares):
+        place, force, middle = pivots[:, axis, None], forces[:, axis, None], share[1:-1]
+        answers = answers + _under_hats(steps, force * share) - _under_hats(steps, force) * middle
+        pushes = pushes + _bends(steps, place) * middle
+    return pushes + answers, answers
 
 
 def _under_hats(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
