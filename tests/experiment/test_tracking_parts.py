@@ -293,7 +293,7 @@ def test_a_pattern_turns_with_the_rod_and_shading_stays():
     look = Appearance(colours, 14.0, 0.8, paint, behind, np.zeros(2, int), np.eye(3), 4.0)
     left = {}
     for learn in (_learn_staying, _learn_turning):
-        learn(look, frames, sightings)
+        learn(look, frames, sightings, 42.0)
         look.whitened()
         layer = look.ball(centre[None], centre - np.array([15.0, 50.0]), np.zeros(2, int), (61, 61))
         # An angle of which no frame was seen.
@@ -301,6 +301,30 @@ def test_a_pattern_turns_with_the_rod_and_shading_stays():
         left[learn] = np.abs(layer[..., 0] - _lit(math.atan2(15.0, 50.0)))[inside].max()
     assert left[_learn_turning] < 0.03
     assert left[_learn_staying] > 0.1
+
+
+def test_colours_of_smeared_balls_are_learned_without_the_wall():
+    mix = kernels.colour_coefficients("bt709", is_full_range=False)
+    colours = Colours(kernels.linear_light("srgb"), mix)
+    arm, pivot, side = 60.0, np.array([70.0, 20.0]), 141
+    j, i = np.indices((43, 43)) - 21
+    paint = np.repeat((0.2 + 0.006 * i + 0.004 * j)[..., None], 3, axis=-1)
+    behind, chroma = np.full((side, side, 3), 0.8, np.float32), np.full((71, 71), 128, np.uint8)
+    look = Appearance(
+        colours, 14.0, 0.8, paint, behind, np.zeros(2, int), np.eye(3), 4.0, exposure=0.9
+    )
+    frames, sightings = [], []
+    for k, angle in enumerate(np.linspace(-0.7, 0.7, 15)):
+        centre = pivot + arm * np.array([math.sin(angle), math.cos(angle)])
+        # Smears of 13 pixels.
+        one = Sighting(k, centre, pivot, angle, 0.24, 1.0, np.zeros(2))
+        layer = look.ball(one.path(arm, 0.9), pivot, np.zeros(2, int), (side, side))
+        light = layer[..., 0] + (1.0 - layer[..., 3]) * 0.8
+        luma = np.rint(16.0 + 219.0 * (1.055 * light ** (1.0 / 2.4) - 0.055)).astype(np.uint8)
+        frames.append(Frame(k, 0.03 * k, luma, chroma, chroma))
+        sightings.append(one)
+    _learn_staying(look, frames, sightings, arm)
+    assert np.abs(look.paint - paint)[np.hypot(i, j) < 12.0].max() < 0.03
 
 
 def test_colours_that_are_turned_back_and_forth_are_the_same():

@@ -11,6 +11,10 @@ from latolato.experiment.opencv import import_cv2
 from latolato.experiment.tracking.appearance import Appearance, Colours
 from latolato.experiment.video import Frame
 
+# Part of its largest share of the exposure from which the ball covers a pixel long enough to show
+# its colours.
+_SEEN = 0.5
+
 
 def uncover(
     behind: np.ndarray,
@@ -74,14 +78,77 @@ def painted(
     inner: float,
 ) -> np.ndarray:
     """Return the colours of planes about a centre, turned back; NaN beyond `inner`."""
-    half = int(np.ceil(1.3 * radius)) + 2
-    reach = int(1.5 * half) + 2
-    corner = np.floor(centre).astype(int) - reach
-    side = 2 * reach + 2
-    image = np.nan_to_num(colours.window(planes, corner, (side, side)))
+    corner, shape = _around(centre, radius)
+    image = np.nan_to_num(colours.window(planes, corner, shape))
+    return _turned_back(image, centre - corner, turn, radius, inner)
+
+
+def unmixed_paint(
+    look: Appearance,
+    frame: Frame,
+    path: np.ndarray,
+    pivot: np.ndarray,
+    turn: float,
+    inner: float,
+) -> np.ndarray:
+    """Return a ball's colours about its centre, turned back, without the wall that shows through.
+
+    Parameters
+    ----------
+    look : Appearance
+        Edge, exposure and background.
+    frame : Frame
+        What shows the ball.
+    path : numpy.ndarray, shape (sample, 2)
+        Its centres within the exposure [pixels].
+    pivot : numpy.ndarray, shape (2,)
+        The pivot [pixels].
+    turn : float
+        By how much its colours are turned [rad].
+    inner : float
+        Distance from the centre from which they are NaN [pixels]. So they are where it is seldom
+        during the exposure.
+    """
+    centre = path.mean(axis=0)
+    corner, shape = _around(centre, look.radius)
+    share = look.ball(path, pivot, corner, shape)[..., 3:]
+    mixed = look.colours.window(frame[2:], corner, shape)
+    is_seen = share > _SEEN * share.max()
+    image = np.full_like(mixed, np.nan)
+    np.divide(mixed - (1.0 - share) * look.wall(corner, shape), share, image, where=is_seen)
+    return _turned_back(image, centre - corner, turn, look.radius, inner)
+
+
+def quantile_of_seen(each: np.ndarray, share: float) -> np.ndarray:
+    """Return a quantile of values (ball, ...) over those that are known, NaN where none is."""
+    order = np.sort(each, axis=0)  # puts them first
+    at = share * np.maximum(np.isfinite(order).sum(axis=0) - 1, 0)
+    low, high = (
+        np.take_along_axis(order, end.astype(int)[None], axis=0)[0]
+        for end in (np.floor(at), np.ceil(at))
+    )
+    return np.asarray(low + (at - np.floor(at)) * (high - low))
+
+
+def _half(radius: float) -> int:
+    """Return half the side of a paint [pixels]."""
+    return int(np.ceil(1.3 * radius)) + 2
+
+
+def _around(centre: np.ndarray, radius: float) -> tuple[np.ndarray, tuple[int, int]]:
+    """Return corner and shape of the window from which a paint about a centre is taken."""
+    reach = int(1.5 * _half(radius)) + 2
+    return np.floor(centre).astype(int) - reach, (2 * reach + 2, 2 * reach + 2)
+
+
+def _turned_back(
+    image: np.ndarray, centre: np.ndarray, turn: float, radius: float, inner: float
+) -> np.ndarray:
+    """Return the colours of an image about a centre, turned back; NaN beyond `inner`."""
+    half = _half(radius)
     j, i = np.indices((2 * half + 1, 2 * half + 1)) - half
-    x = centre[0] - corner[0] + i * math.cos(turn) + j * math.sin(turn)
-    y = centre[1] - corner[1] - i * math.sin(turn) + j * math.cos(turn)
+    x = centre[0] + i * math.cos(turn) + j * math.sin(turn)
+    y = centre[1] - i * math.sin(turn) + j * math.cos(turn)
     paint = np.empty((*i.shape, 3), np.float32)
     for k in range(3):
         map_coordinates(image[..., k], (y, x), paint[..., k], 1, mode="nearest")

@@ -14,7 +14,7 @@ from latolato.experiment.tracking.appearance import Appearance, arc, fit_balls, 
 from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.edge import Shot, measured_edge
 from latolato.experiment.tracking.kernels import layers as kernels
-from latolato.experiment.tracking.paint import filled, painted, turned
+from latolato.experiment.tracking.paint import filled, quantile_of_seen, turned, unmixed_paint
 from latolato.experiment.video import Frame
 
 # Radius below which a ball has no edge to measure [pixels].
@@ -94,7 +94,7 @@ def learn_look(
         look.radius_sigma = look.blur
     clear = _learn_noise(look, frames, good)
     if has_edge:
-        _learn_variance(look, frames, teachers, clear)
+        _learn_variance(look, frames, teachers, arm, clear)
     return arm
 
 
@@ -110,7 +110,7 @@ def _learn_paint(
     share = 1.0 if look.is_spinning else _TURNS
     looks, costs = [], []
     for learn in (_learn_staying, _learn_turning):
-        learn(look, frames, teachers)
+        learn(look, frames, teachers, arm)
         look.whitened()
         cost = sum(
             fit_balls(
@@ -125,21 +125,25 @@ def _learn_paint(
     look.whitened()
 
 
-def _learn_staying(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
+def _learn_staying(
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
+) -> None:
     """Learn colours that stay as the balls turn."""
     look.is_spinning, look.shading = False, None
-    look.paint = filled(np.median(_paints(look, frames, teachers), axis=0))
+    look.paint = filled(quantile_of_seen(_paints(look, frames, teachers, arm), 0.5))
 
 
-def _learn_turning(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> None:
+def _learn_turning(
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
+) -> None:
     """Learn colours that turn with the rod, and the shading that is added to them.
 
     Each is what the other leaves of the balls, so both are learned in turn.
     """
     look.is_spinning, look.shading = False, None
-    staying = [filled(one) for one in _paints(look, frames, teachers)]
+    staying = [filled(one) for one in _paints(look, frames, teachers, arm)]
     look.is_spinning = True
-    turning = [filled(one) for one in _paints(look, frames, teachers)]
+    turning = [filled(one) for one in _paints(look, frames, teachers, arm)]
     angles = [one.angle for one in teachers]
     look.paint = np.median(turning, axis=0)
     for _ in range(_DIVIDED):
@@ -149,14 +153,16 @@ def _learn_turning(look: Appearance, frames: list[Frame], teachers: list[Sightin
         look.paint = np.median(np.subtract(turning, back), axis=0)
 
 
-def _paints(look: Appearance, frames: list[Frame], teachers: list[Sighting]) -> np.ndarray:
+def _paints(
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
+) -> np.ndarray:
     """Return the colours within the edge of each ball, NaN beyond, without shading."""
     inner = look.radius - 1.6 * look.blur - 0.3
     paints = []
     for one in teachers:
         turn = one.angle if look.is_spinning else 0.0
-        planes = frames[one.frame][2:]
-        paint = painted(planes, one.centre, turn, look.colours, look.radius, inner)
+        path = one.path(arm, look.exposure)
+        paint = unmixed_paint(look, frames[one.frame], path, one.pivot, turn, inner)
         paints.append(paint if look.shading is None else paint - turned(look.shading, turn))
     return np.stack(paints)
 
@@ -289,15 +295,15 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
 
 
 def _learn_variance(
-    look: Appearance, frames: list[Frame], teachers: list[Sighting], clear: float
+    look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float, clear: float
 ) -> None:
     """Learn how much the balls' colours vary from frame to frame, in variances of the noise.
 
     `clear` is the residual of something else than a ball of one colour.
     """
-    each = _paints(look, frames, teachers)
+    each = _paints(look, frames, teachers, arm)
     squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
-    excess = np.quantile(squares, _RARER, axis=0) / _AT_RARER - 1.0
+    excess = quantile_of_seen(squares, _RARER) / _AT_RARER - 1.0
     excess[excess < (_VARIED * clear) ** 2] = 0.0
     look.variance = filled(excess[..., None])[..., 0].astype(np.float32)
 
