@@ -339,6 +339,18 @@ def test_a_disc_about_the_middle_of_the_ball_is_warned_of():
     assert "part of something larger" in finding.fault.rule
 
 
+def test_two_discs_that_may_be_parts_of_one_ball_are_refused():
+    centres = _swinging()
+    track = Positions.unknown(np.arange(len(centres)) / 30.0, 2, 6.0)
+    aside = np.array([7.0, 0.0])
+    track.centres[:] = np.stack([centres - aside, centres + aside], axis=1)
+    track.pivots[:], track.flags[:] = [160.0, 30.0], "ok"
+    finding = gate.changing_pixels(_drawn(centres, radius=20.0), track)
+    assert finding is not None
+    assert finding.is_refusal
+    assert "part of something larger" in finding.fault.rule
+
+
 @pytest.mark.parametrize(
     "extent,place,reason",
     [(16.0, [100.0, 150.0], None), (16.0, [220.0, 150.0], "change"), (3.0, [100.0, 150.0], "too")],

@@ -860,7 +860,7 @@ RULES = {
     "part_of_larger": Rule(
         "the disc of {radius} pixels radius that was followed is a part of something larger that "
         "moves with it",
-        "look at the overlay, and give the ball's radius and length",
+        "give the ball's radius and length, and look at the overlay",
     ),
     "not_where_pointed": Rule(
         "the ball is not seen where it was taken to be, at {time:.4g} s: the nearest frame that "

@@ -292,8 +292,8 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     """Check that the pixels under the ball change when it comes, and that those beside it do not.
 
     Those beside it may change too if nearly all under it do and the rest of the picture rests: the
-    disc is then about a part of the ball, and the user is warned. It can miss any part of a larger
-    thing that moves, a place beside the ball's centre by less than half a radius, and what happens
+    disc is then about a part of the ball: the user is warned of one, and two are refused. It can
+    miss any part of a larger thing that moves, a place beside the ball's centre by less than half a radius, and what happens
     between the frames of the sample.
     """
     numbers, shares = change_shares(sample, track)
@@ -325,8 +325,8 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
     if doubtful.any():
         percent = _percent(doubtful[track.is_measured], np.mean)
         return Finding(broken("unlike_pixels", {"percent": percent}), False, doubtful)
-    if is_part:
-        return Finding(broken("part_of_larger", radius), is_refusal=False)
+    if is_part:  # two discs may be parts of one ball, and of one after the other
+        return Finding(broken("part_of_larger", radius), is_refusal=track.centres.shape[1] == 2)
     return None
 
 
