@@ -53,6 +53,20 @@ def test_a_warm_oscillator_reaches_an_energy_as_the_averaged_equation_says():
     assert result.mean_first_passage_time.item() == pytest.approx(mean, abs=4.0 * error)
 
 
+def test_the_error_of_times_that_are_not_exponential_is_that_of_their_scatter():
+    times = toy_times(noise_strength=3.0, duration=60.0)
+    assert times.status.item() == "not exponential"
+    assert times.passage_fraction == 1.0
+    passed = times.first_passage.values
+    error = times.mean_first_passage_time_error.item()
+    assert times.mean_first_passage_time.item() == pytest.approx(passed.mean())
+    assert error == pytest.approx(passed.std(ddof=1) / math.sqrt(40))
+    # Student's t of 39 degrees of freedom.
+    half = times.mean_first_passage_time_high.item() - passed.mean()
+    assert half == pytest.approx(2.0227 * error, rel=1e-4)
+    assert passed.mean() - times.mean_first_passage_time_low.item() == pytest.approx(half)
+
+
 def toy_times(system=TOY, **changed):
     settings = {"noise_strength": 2.0, "threshold_angle": 0.5, "duration": 40.0, "trajectories": 40}
     return first_passage_time(system, DRIVE, **(settings | changed))

@@ -156,10 +156,11 @@ def first_passage_time(
     With k passages at t_i among n trajectories, ``mean = (sum t_i + (n - k) duration)/k``, its
     error ``mean/sqrt(k)``: exact for exponential waiting times. The motion takes a while from the
     bottom to the threshold, however early the noise kicks it over: with this dead time, or where
-    a drift carries the motion, waiting times are not exponential. Without trajectories given up
-    the mean still is the mean then; with them it depends on `duration`. What it can miss: other
-    ways not to be exponential. The fraction's error is Wilson's at one standard deviation. For two
-    balls the earlier one counts.
+    a drift carries the motion, waiting times are not exponential. Where all trajectories pass, the
+    error and the interval then are those of a mean of any times, by their scatter; where some are
+    given up, the mean depends on `duration`. What it can miss: other ways not to be exponential.
+    The fraction's error is Wilson's at one standard deviation. For two balls the earlier one
+    counts.
 
     Examples
     --------
@@ -210,6 +211,15 @@ def first_passage_time(
     )
 
 
+def _plain_mean(times: np.ndarray[Any, Any]) -> Lifetime:
+    """Return the mean of waiting times of any kind, all of which are known [s]."""
+    from scipy.stats import t
+
+    mean, error = float(times.mean()), float(times.std(ddof=1)) / math.sqrt(len(times))
+    low, high = t.interval(_CONFIDENCE, len(times) - 1, mean, error)
+    return Lifetime(mean, error, float(low), float(high), len(times))
+
+
 def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
     """Return mean, fraction and status of passages, NaN where there is none before the end."""
     passed = times[np.isfinite(times)]
@@ -220,7 +230,7 @@ def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
     spread = math.sqrt(share * (1.0 - share) / n + 0.25 / n**2) / (1.0 + 1.0 / n) if n else math.nan
     status = PASSED if k else NONE
     if k and math.exp(-n * float(passed.min()) / mean.mean) < _UNLIKELY:
-        status = DELAYED
+        status, mean = DELAYED, _plain_mean(passed) if k == n else mean
     if k > 1 and k == n and np.ptp(passed) <= 0.01 * passed.mean():
         status, mean = AT_ONCE, Lifetime(math.nan, math.nan, math.nan, math.nan, k)
     return {
