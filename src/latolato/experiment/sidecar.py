@@ -158,7 +158,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     }
     head = {"video": Path(video).name, "sha256": digest_of(video), "latolato": version_of()}
     lines = [
-        "# How this video was tracked: latolato track reads this file and makes the same table.",
+        "# How this video was tracked: latolato track VIDEO --sidecar FILE makes the same table.",
         "# Places are columns and rows of the clicked frame as displayed; all else is in SI units.",
         *_lines(head),
     ]

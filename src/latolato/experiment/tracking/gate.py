@@ -293,8 +293,8 @@ def changing_pixels(sample: Sample, track: Positions) -> Finding | None:
 
     Those beside it may change too if nearly all under it do and the rest of the picture rests: the
     disc is then about a part of the ball: the user is warned of one, and two are refused. It can
-    miss any part of a larger thing that moves, a place beside the ball's centre by less than half a radius, and what happens
-    between the frames of the sample.
+    miss any part of a larger thing that moves, a place beside the ball's centre by less than half a
+    radius, and what happens between the frames of the sample.
     """
     numbers, shares = change_shares(sample, track)
     doubtful = np.zeros(track.is_measured.shape, bool)
