@@ -224,8 +224,15 @@ def test_files_of_curves_and_trials_are_told_apart_and_others_are_refused(page, 
     page.get_by_text("2 trials, 1 of them outside the map.").wait_for()
     wait_for_curves(page, 2)
     field.set_input_files([tmp_path / "curve.csv", tmp_path / "other.csv"])
-    page.get_by_text("its restitution is 0.8, that of the map 0.9").wait_for()
+    page.get_by_text(
+        "other.csv: this curve is of another system than the map: its restitution is 0.8"
+    ).wait_for()
     wait_for_curves(page, 2)
+    (tmp_path / "bad.csv").write_text("drive_amplitude,frequency_ratio,class\n0.02,2.0,0\n")
+    field.set_input_files([tmp_path / "bad.csv"])
+    page.get_by_text(
+        "bad.csv: trial 1: class must be 'none', 'weak' or 'strong', got '0'"
+    ).wait_for()
     field.set_input_files([])
     wait_for_curves(page, 0)
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 import subprocess
 from functools import cache
 from itertools import pairwise
@@ -18,7 +19,7 @@ from hanging import threshold_amplitude, tongue_edges
 from in_node import NODE
 from latolato.analysis import linear
 from latolato.analysis.boundary import contour_lines
-from latolato.app import CURVES
+from latolato.app import CURVES, STATIC
 from latolato.app.forms import registry
 from latolato.core.errors import InputError
 from latolato.experiment.trial_table import CLASSES, write_trials
@@ -202,6 +203,8 @@ TABLES = [
     "drive_amplitude,frequency_ratio,largest_angle,largest_angle_after_transient\n0.1,2,1,\n",
     "# gravity: heavy\ndrive_amplitude,frequency_ratio,class\n0.1,2,weak\n",
     "drive_amplitude,frequency_ratio,class,length\n0.1,2,weak,long\n",
+    "drive_amplitude,frequency,class\n0.1,2,weak\n",
+    "drive_amplitude;frequency_ratio;class\n0,1;2;weak\n",
 ]  # fmt: skip
 
 
@@ -231,6 +234,29 @@ def test_trials_are_those_of_python_in_the_coordinates_of_the_map(x, tmp_path):
         low, high = np.transpose([SPANS[x], SPANS["amplitude_ratio"]])[:, :, np.newaxis]
         assert found["outside"] == np.sum(((places < low) | (places > high)).any(axis=0))
     assert read == 10
+
+
+def test_the_hint_of_the_page_names_the_columns_of_a_trial_table():
+    texts = json.loads((STATIC / "languages" / "en.json").read_text(encoding="utf-8"))
+    hint = texts["strings"]["mapTrialsHint"]
+    named = re.search(r"\(columns (.+)\)", hint)[1]
+    sample = {"drive_amplitude": "0.1", "class": "weak", "drive_frequency": "12"}
+    names = re.split(r", and | or |, ", named)
+    assert set(names) == {*sample, "frequency_ratio"}
+    parse_trials(f"{','.join(sample)}\n{','.join(sample.values())}\n")
+
+
+def test_trials_that_are_refused_name_the_trial_and_what_is_needed():
+    head = "drive_amplitude,frequency_ratio,class\n"
+    texts = {
+        f"{head}0.1,2,weak\n1,2,0\n": "trial 2: class must be 'none', 'weak' or 'strong', got '0'",
+        "a,b\n1,2\n": "largest_angle and largest_angle_after_transient",
+        f"{head.replace(',', ';')}0,1;2;weak\n": "write numbers with a decimal point",
+    }
+    grid = grid_of("frequency_ratio", "drive_amplitude", ONE, True)
+    found = over_in_node({"name": "trials", "text": text, "grid": grid} for text in texts)
+    for answer, end in zip(found, texts.values(), strict=True):
+        assert answer["error"].endswith(end)
 
 
 PAIR = {

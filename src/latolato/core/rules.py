@@ -193,7 +193,10 @@ RULES = {
     "lift_off": Rule("overlay lift_off needs a system with contact: nothing rests on a wall"),
     # of tables of trials
     "columns": Rule("it holds no columns"),
-    "cells_of_row": Rule("row {row} has {cells} cells below {names} column names"),
+    "cells_of_row": Rule(
+        "row {row} has {cells} cells below {names} column names",
+        "separate cells by commas, and write numbers with a decimal point",
+    ),
     "renamed_column": Rule("the column {former} is now called {name}", "rename it, and its _sigma"),
     "trial_columns": Rule(
         "a trial table needs the columns drive_amplitude, drive_frequency or frequency_ratio, and "

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import NOT_GIVEN, InputError, reading
 from latolato.core.quantities import QUANTITIES
 from latolato.core.registry import checked_choice, suggest
 from latolato.core.rules import broken_rule
@@ -100,7 +100,7 @@ def trial_table(
         "drive_amplitude" not in arrays
         or not {"drive_frequency", "frequency_ratio"} & arrays.keys()
     ):
-        raise broken_rule("trial_columns", value=", ".join(columns) or "none")
+        raise broken_rule("trial_columns", value=", ".join(columns) or NOT_GIVEN)
     count = len(arrays["drive_amplitude"])
     if count == 0:
         raise InputError("a trial table needs rows")
@@ -261,11 +261,6 @@ def read_trials(path: str | Path, *, decimal: str | None = None) -> xr.Dataset:
             for name, column in chosen.items()
         }
         lines = section.lines.tolist()
-        for trial, kind in enumerate(cells.get(("class", ""), ()), start=1):
-            try:
-                checked_choice("class", kind.strip().lower(), CLASSES)
-            except InputError as error:
-                raise InputError(f"trial {trial} in line {lines[trial - 1]}: {error}") from None
         trials = trials_of_cells(
             cells, header, lambda trial: f"trial {trial} in line {lines[trial - 1]}"
         )
@@ -293,8 +288,7 @@ def trials_of_cells(
     for (name, written), values in cells.items():
         texts = [f"{value.strip()} {written}".strip() if value.strip() else "" for value in values]
         if name in COLUMNS and any(texts):
-            unit = COLUMN_UNITS[name]
-            columns[name] = texts if unit is None else _numbers(name, texts, unit, place)
+            columns[name] = _read_cells(name, texts, place)
     attributes = {}
     if "gravity" in header:
         attributes["gravity"] = float(to_si("gravity", str(header["gravity"]), "m/s^2"))
@@ -388,14 +382,23 @@ def _cell(value: Any) -> Any:
     return "" if isinstance(value, float) and math.isnan(value) else value
 
 
-def _numbers(name: str, cells: list[str], unit: str, place: Callable[[int], str]) -> list[float]:
-    """Return the numbers in a column's cells, which may have units."""
-    from latolato.scenario.units import to_si
-
+def _read_cells(name: str, cells: list[str], place: Callable[[int], str]) -> list[Any]:
+    """Return what a column's cells hold: texts, classes, or numbers that may have units."""
     values = []
     for number, cell in enumerate(cells, start=1):
         try:
-            values.append(float(to_si(name, cell, unit)) if cell else math.nan)
+            values.append(_read_cell(name, cell))
         except InputError as error:
             raise InputError(f"{place(number)}: {error}") from None
     return values
+
+
+def _read_cell(name: str, cell: str) -> str | float:
+    from latolato.scenario.units import to_si
+
+    unit = COLUMN_UNITS[name]
+    if name == "class":
+        return checked_choice(name, cell.lower(), CLASSES)
+    if unit is None:
+        return cell
+    return float(to_si(name, cell, unit)) if cell else math.nan

@@ -22,7 +22,7 @@ export class MapControls {
   /**
    * @param {any} registry
    * @param {import("../page/state.js").Store} store
-   * @param {(texts: string[]) => void} files called with the texts of tables of trials and of curves
+   * @param {(files: import("./over.js").TextFile[]) => void} files called with tables of trials and of curves
    */
   constructor(registry, store, files) {
     this.registry = registry;

@@ -118,6 +118,6 @@ function fileRequestOf({ chart, over, page, question, request }, grid) {
   return { ...map, xlog: grid.x.log, ylog: grid.y.log, observable: name, ball, scale, log, limits,
     contours: contoured && levels.length
       ? { observable: contoured.name, ball: contoured.ball, levels } : null,
-    overlays: over.shown().flatMap(({ name }) => THEORY[name] ?? []), trials: over.trials,
+    overlays: over.shown().flatMap(({ name }) => THEORY[name] ?? []), trials: over.trials?.text ?? null,
     curves: over.shownCurves().map((curve) => curve.text) };
 }

@@ -17,6 +17,7 @@ import { t } from "../strings.js";
 /** @typedef {import("./contours.js").Contour} Contour */
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("./grid.js").Variable} Variable */
+/** @typedef {{name: string, text: string}} TextFile its name, "" for what is no file of the user */
 /** @typedef {{variable: number, text: string | null, levels: number[] | null, log: boolean}} OverlayQuestion place of
  *   the variable, levels and their text or null for round ones, whether these follow a logarithmic scale */
 /** @typedef {{levels: number[], lines: number, tiny: number}} Drawn levels, their lines, and how many
@@ -34,9 +35,9 @@ export class Over {
     this.view = view;
     /** @type {import("./overlay_curves.js").Line[]} of theory and of bifurcations over the map on show */
     this.lines = [];
-    /** @type {string | null} text of a trial table */
+    /** @type {TextFile | null} a trial table */
     this.trials = null;
-    /** @type {string[]} texts of bifurcation curves from files */
+    /** @type {TextFile[]} bifurcation curves */
     this.files = [];
     /** @type {Map<string, string>} texts of shipped curves, by their paths */
     this.shipped = new Map();
@@ -57,19 +58,20 @@ export class Over {
     controls.over.showLines(this.lines, [...new Set(notes)], () => this.off());
     /** @type {string[]} */
     const refused = [];
-    const placed = this.trials !== null && placing ? this.attempt(() =>
-      placedTrials(parseTrials(page.registry, this.trials ?? ""), placing), refused) : null;
+    const { trials } = this;
+    const placed = trials && placing ? this.attempt(() =>
+      placedTrials(parseTrials(page.registry, trials.text), placing), refused, trials.name) : null;
     chart.trials = placed?.trials ?? null;
     controls.over.showTrials(placed, refused);
   }
 
   /**
    * Take what files hold: bifurcation curves, and of trials the last table.
-   * @param {string[]} texts
+   * @param {TextFile[]} files
    */
-  take(texts) {
-    this.files = texts.filter(holdsCurves);
-    this.trials = texts.findLast((text) => !holdsCurves(text)) ?? null;
+  take(files) {
+    this.files = files.filter(({ text }) => holdsCurves(text));
+    this.trials = files.findLast(({ text }) => !holdsCurves(text)) ?? null;
     this.place();
     this.view.repaint();
   }
@@ -85,9 +87,11 @@ export class Over {
     if (path && !this.shipped.has(path)) void this.load(path);
     /** @type {Record<string, number>} */
     const counts = {};
-    return [this.shipped.get(path) ?? "", ...page.curves ?? [], ...this.files].flatMap((text) =>
-      this.attempt(() => parseCurves(text), notes) ?? []).flatMap((curve) => {
-      const placed = this.attempt(() => placedCurve(page.registry, curve, grid), notes);
+    const own = [this.shipped.get(path) ?? "", ...page.curves ?? []].map((text) => ({ name: "", text }));
+    const read = [...own, ...this.files].flatMap(({ name, text }) =>
+      (this.attempt(() => parseCurves(text), notes, name) ?? []).map((curve) => ({ name, curve })));
+    return read.flatMap(({ name: file, curve }) => {
+      const placed = this.attempt(() => placedCurve(page.registry, curve, grid), notes, file);
       if (!placed) return [];
       const count = counts[curve.kind] = (counts[curve.kind] ?? 0) + 1;
       return [{ ...placed, name: count > 1 ? `${curve.kind}_${count}` : curve.kind,
@@ -140,13 +144,15 @@ export class Over {
    * @template T
    * @param {() => T} make
    * @param {string[]} notes
+   * @param {string} [file] that holds the input
    */
-  attempt(make, notes) {
+  attempt(make, notes, file) {
     try {
       return make();
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
-      notes.push(inPagesWords(this.view.page.registry, error)[0]);
+      const [text] = inPagesWords(this.view.page.registry, error);
+      notes.push(file ? `${file}: ${text}` : text);
       return null;
     }
   }

@@ -16,7 +16,7 @@ export class OverControls {
   /**
    * @param {import("../model/registry.js").Registry} registry
    * @param {(values: Record<string, any>) => void} keep keeps values in the address
-   * @param {(texts: string[]) => void} files called with the texts of tables of trials and of curves
+   * @param {(files: import("./over.js").TextFile[]) => void} files called with tables of trials and of curves
    */
   constructor(registry, keep, files) {
     this.registry = registry;
@@ -31,7 +31,8 @@ export class OverControls {
     /** @type {[string, HTMLInputElement][]} the boxes of lines by their names */
     this.boxes = [];
     const file = el("input", { type: "file", accept: ".csv,text/csv", id: "map-trials", multiple: true,
-      on: { change: async () => files(await Promise.all(Array.from(file.files ?? [], (each) => each.text()))) } });
+      on: { change: async () => files(await Promise.all(Array.from(file.files ?? [],
+        async (each) => ({ name: each.name, text: await each.text() })))) } });
     this.trialNote = el("p", { class: "hint", role: "status" });
     this.parts = [this.contours.root, this.levelBox, this.contourNote, this.lines, this.lineNote,
       el("div", { class: "field preset" }, el("label", { for: "map-trials" }, t("mapTrials")),

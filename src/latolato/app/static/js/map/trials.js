@@ -56,14 +56,13 @@ export function parseTrials(registry, text) {
     const [name, written = ""] = heading.replace(/(?: \[1)?\]$/, "").split(" [");
     const cells = values.map((value) => (value && `${value} ${written}`.trim()));
     if (!Object.hasOwn(units, name) || !cells.some(Boolean)) continue;
-    const unit = units[name];
-    read.set(name, unit === null ? cells : columnNumbers(registry, name, cells, unit));
+    read.set(name, cells.map((cell, i) => inTrial(i + 1, () => readCell(registry, name, cell, units[name]))));
   }
   const gravity = gravityOf(registry, lines);
-  const kinds = read.get("class")?.map(numberOfClass);
+  const kinds = read.get("class");
   const amplitude = read.get("drive_amplitude");
   if (!amplitude || !(read.has("drive_frequency") || read.has("frequency_ratio")))
-    throw brokenRule("trial_columns", { value: [...read.keys()].join(", ") || "none" });
+    throw brokenRule("trial_columns", read.size ? { value: [...read.keys()].join(", ") } : {});
   for (const name of ["drive_amplitude", "drive_frequency", "frequency_ratio", "length"]) {
     const isUnknown = (/** @type {number} */ value) => name === "length" && Number.isNaN(value);
     const at = read.get(name)?.findIndex((value) =>
@@ -107,22 +106,31 @@ function gravityOf(registry, lines) {
 }
 
 /**
- * Return the numbers in a column's cells, which may have units; NaN for an empty one.
+ * Return what a cell holds: a text, the number of a class, or a number, which may have a unit; NaN for an empty one.
  * @param {Registry} registry
  * @param {string} name
- * @param {string[]} cells
- * @param {string} unit
+ * @param {string} cell
+ * @param {string | null} unit
  */
-function columnNumbers(registry, name, cells, unit) {
-  return cells.map((cell, i) => {
-    if (!cell) return NaN;
-    try {
-      return toSi(registry, name, cell, unit);
-    } catch (error) {
-      if (!(error instanceof InputError)) throw error;
-      throw new InputError(t("refuseTrial", { number: i + 1, text: inLanguage(error) }));
-    }
-  });
+function readCell(registry, name, cell, unit) {
+  if (name === "class") return numberOfClass(cell);
+  if (unit === null) return cell;
+  return cell ? toSi(registry, name, cell, unit) : NaN;
+}
+
+/**
+ * Return what a function returns; what it refuses names the trial.
+ * @template T
+ * @param {number} number
+ * @param {() => T} read
+ */
+function inTrial(number, read) {
+  try {
+    return read();
+  } catch (error) {
+    if (!(error instanceof InputError)) throw error;
+    throw new InputError(t("refuseTrial", { number, text: inLanguage(error) }));
+  }
 }
 
 /**

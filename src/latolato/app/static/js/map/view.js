@@ -52,7 +52,7 @@ export class MapView {
     this.timer = 0;
     this.shown = false;
     this.over = new Over(this);
-    this.controls = new MapControls(page.registry, page.store, (texts) => this.over.take(texts));
+    this.controls = new MapControls(page.registry, page.store, (files) => this.over.take(files));
     const form = el("form", { class: "form" });
     form.addEventListener("submit", (e) => e.preventDefault());
     this.form = new Form(form, page.registry, page.store, () => withMapNamed(page.registry, page.store.state));
