@@ -203,7 +203,10 @@ def test_the_entropy_of_a_straight_boundary_counts_its_boxes_only():
     "options, message",
     [
         ({"angle_low": 0.0}, "balls would overlap"),
-        ({"velocity_low": 2.0, "velocity_high": 1.0}, "swap"),
+        (
+            {"velocity_low": 2.0, "velocity_high": 1.0},
+            "velocity_low must be less than velocity_high",
+        ),
         ({"entropy_box": 30}, "entropy_box must be at most"),
         ({"match_tolerance": 0.0}, "match_tolerance"),
         ({"check_tolerance": 1e-6}, "check_tolerance must be below the tolerance of 1e-06 rad"),

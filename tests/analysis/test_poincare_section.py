@@ -116,8 +116,8 @@ def test_one_way_of_a_diagram_is_that_of_both():
     [
         ({"parameter": "restitutoin"}, "restitution"),
         ({"parameter": "initial_angle"}, "unknown parameter"),
-        ({"low": 0.9, "high": 0.8}, "swap"),
-        ({"high": 1.1}, "restitution"),
+        ({"low": 0.9, "high": 0.8}, "low must be less than high, got 0.9"),
+        ({"high": 1.1}, r"high must lie in \[0, 1\]"),
         ({"points": 1}, "points must lie in"),
         ({"direction": "left"}, "direction must be"),
     ],

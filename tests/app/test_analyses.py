@@ -263,7 +263,10 @@ def test_tables_of_an_answer_hold_its_numbers():
         ({**CLOSED, "scenario": "nothing"}, "there is no scenario"),
         ({**CLOSED, "options": {"length": "-1 m"}}, "length"),
         ({"analysis": "self_start", "scenario": "fig04a", "settings": {"check": "yes"}}, "true or"),
-        ({"analysis": "first_push", "scenario": "fig04a"}, "needs frequency_ratio"),
+        (
+            {"analysis": "first_push", "scenario": "fig04a"},
+            "needs frequency_ratio; give values such as 0 : 1 : 11",
+        ),
         (
             {
                 "analysis": "first_push",
@@ -419,6 +422,13 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
          "Peta tumbukan membutuhkan dinding, dan Pendulum tidak punya; pakai LatoLato"),
         ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
          "harus 0 untuk bola yang menggantung lurus ke bawah"),
+        ("lang=en&scenario=toy&analyse.what=growth_rate&analyse.ask=1",
+         "touch before, got 18 mm; choose the system Pendulum, which has no walls, with the "
+         "length, mass and damping of one ball"),
+        ("lang=en&scenario=kapitza&analyse.what=self_start&analyse.ask=1",
+         "or “Threshold amplitude” for growth from hanging"),
+        ("lang=en&analyse.what=first_push&analyse.frequency_ratio= &analyse.ask=1",
+         "This analysis needs “Driving over natural frequency”; give values such as 0 : 1 : 11"),
         ("lang=id&scenario=toy&length=1.5+cm",
          "tetapi diberikan 18; "),
     ],
@@ -440,6 +450,12 @@ def test_a_limit_of_a_diagram_that_is_none_is_told_at_its_field(page):
     assert field.get_attribute("aria-invalid") == "true"
     enter(field, before)
     assert line.count() == 0
+    field = page.locator(".settings").get_by_label("Low", exact=True)
+    for limit, text in (("9", "“Low” must be less than “High”"), ("0", "“Low” must be above 0")):
+        enter(field, limit)
+        page.get_by_role("button", name="Compute").click()
+        line.get_by_text(text).wait_for()
+        assert field.get_attribute("aria-invalid") == "true"
 
 
 def test_what_is_typed_for_an_analysis_stays_when_the_system_is_told(page):

@@ -267,7 +267,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["floqet", "fig03a"], "unknown analysis 'floqet': did you mean 'floquet'?"),
         (["tongue_edges", "fig03"], "there is no scenario or file 'fig03'"),
         (["tongue_edges"], "name what to analyse: a scenario"),
-        (["tongue_edges", *PENDULUM], "tongue_edges needs drive_amplitude [m]: give --drive-"),
+        (["tongue_edges", *PENDULUM], "this analysis needs drive_amplitude [m]"),
         (
             ["tongue_edges", *PENDULUM, "--drive-amplitude", "5 kg"],
             "drive_amplitude must be given in m (or a unit that converts to it), got '5 kg'",
@@ -280,15 +280,15 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["tongue_edges", "fig03a", "--output", "no/a.nc"], "the folder 'no' does not exist"),
         (["tongue_edges", "fig03a", "--plot", "a.txt"], "the name of a picture must end in"),
         (["pair_symmetry", "fig04a", "--drive-amplitude", "0 : 1"], "must be low : high : count"),
-        (["continue_orbit", "fig03a", "--low", "1"], "continue_orbit needs high"),
-        (["bifurcation_diagram", "fig03a"], "bifurcation_diagram needs parameter: give --"),
+        (["continue_orbit", "fig03a", "--low", "1"], "this analysis needs high"),
+        (["bifurcation_diagram", "fig03a"], "this analysis needs parameter"),
         (
             ["continue_orbit", "fig03a", "--low", "1", "--high", "3", "--parameter", "lenght"],
             "unknown parameter 'lenght': did you mean 'length'?",
         ),
         ([*CURVE, "--low", "0", "1.8"], "need commas between them: write --low 0,1.8"),
         ([*CURVE, "--low", "0 1.8", "--high", "1,2"], "put commas between the values"),
-        ([*CURVE, "--low", "0,1.8"], "bifurcation_curve needs high: give --high 0,1"),
+        ([*CURVE, "--low", "0,1.8"], "needs high; give one value for each parameter, with commas"),
         (
             [*CURVE, "--low", "0 kg,1.8", "--high", "1,2"],
             "low (drive_amplitude) must be given in m",

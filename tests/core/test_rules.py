@@ -7,6 +7,8 @@ from string import Formatter
 
 import pytest
 
+from latolato.analysis import analyses
+from latolato.analysis.checks import check_span
 from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
@@ -18,6 +20,7 @@ from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.experiment.rules import broken
 from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
+from latolato.scenario.analysis_options import options_of
 from latolato.scenario.options import law_options
 
 SENTENCES = {
@@ -28,7 +31,14 @@ SENTENCES = {
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
 # What rules may name: parameters of functions, and the file of a run on the command line.
-OPTIONS = {*law_options(), *VIDEO_PARAMETERS, *signature(import_table).parameters, "balls", "from"}
+OPTIONS = {
+    *law_options(),
+    *VIDEO_PARAMETERS,
+    *signature(import_table).parameters,
+    *(name for analysis in analyses.values() for name in options_of(analysis)),
+    "balls",
+    "from",
+}
 
 
 @pytest.mark.parametrize("name", SENTENCES)
@@ -46,6 +56,12 @@ def test_pages_can_fill_every_gap(name):
 def test_rules_leave_it_to_each_surface_what_an_option_is_called(name):
     for text in SENTENCES[name]:
         assert "--" not in text
+
+
+def test_a_gap_may_hold_the_name_of_a_parameter():
+    with pytest.raises(InputError, match="velocity_low must be less than velocity_high") as caught:
+        check_span(2.0, 2.0, "velocity_")
+    assert "must be less than --velocity-high, got 2" in caught.value.worded("low", flag_of)
 
 
 def test_a_sentence_calls_parameters_as_its_reader_does():

@@ -405,14 +405,14 @@ def _starts(
     w0 = system.natural_frequency
     first = least if angles[0] is None else angles[0]
     last = most if angles[1] is None else angles[1]
-    check_span("angle range", first, last)
+    check_span(first, last, "angle_")
     if first < low - _INSIDE or last > high + _INSIDE:
         raise broken_analysis(
             "angles_between_walls", {"low": low, "high": high, "first": first, "last": last}
         )
     slow = -_SPEEDS * w0 if velocities[0] is None else velocities[0]
     fast = _SPEEDS * w0 if velocities[1] is None else velocities[1]
-    check_span("velocity range", slow, fast)
+    check_span(slow, fast, "velocity_")
 
     def centres(start: float, end: float, count: int) -> Floats:
         return start + (np.arange(count) + 0.5) * (end - start) / count

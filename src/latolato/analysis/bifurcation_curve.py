@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
 
 import numpy as np
 
-from latolato.analysis.checks import check_vertical
+from latolato.analysis.checks import check_span, check_vertical
 from latolato.analysis.conditions import (
     NEARLY,
     Condition,
@@ -242,8 +242,7 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
         limits.append(np.array(numbers))
     plane = Plane(flow, names, *limits)
     for name, value, least, most in zip(names, plane.values, *limits, strict=True):
-        if not least < most:
-            raise broken_analysis("low_to_high", parameter=f"range of {name}")
+        check_span(float(least), float(most))
         if not least <= value <= most:
             raise broken_analysis(
                 "first_orbit", {"name": name, "begun": value, "low": least, "high": most}

@@ -37,6 +37,8 @@ if TYPE_CHECKING:
 
 Floats = NDArray[np.float64]
 
+# Parameters that set the frequency of the drive.
+_FREQUENCIES = ("drive_frequency", "frequency_ratio")
 _KEPT = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
@@ -135,9 +137,11 @@ def bifurcation_diagram(
         hint = suggest(str(parameter), list(known))
         raise broken_rule("unknown", {"kind": "parameter", "name": parameter, "hint": hint})
     about = known[parameter]
-    check_span(parameter, low, high)
-    for value in (low, high):
-        checked_number(parameter, value, about.allowed, about.unit)
+    # A drive at rest has no period at which to look.
+    allowed = POSITIVE if parameter in _FREQUENCIES else about.allowed
+    for name, value in (("low", low), ("high", high)):
+        checked_number(name, value, allowed, about.unit)
+    check_span(low, high)
     values = np.linspace(low, high, points)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     ways: list[str] = ["up", "down"] if direction == "both" else [direction]
@@ -181,14 +185,10 @@ def bifurcation_diagram(
 def _frequencies(system: System, law: PeriodicDrive, parameter: str, values: Floats) -> Floats:
     """Return the drive's frequency at each value of the parameter [rad/s]."""
     if parameter == "drive_frequency":
-        result = values
-    elif parameter == "frequency_ratio":
-        result = values * system.natural_frequency
-    else:
-        result = np.full(len(values), law.drive_frequency)
-    for value in result:
-        checked_number(parameter, value, POSITIVE, "rad/s")
-    return result
+        return values
+    if parameter == "frequency_ratio":
+        return values * system.natural_frequency
+    return np.full(len(values), law.drive_frequency)
 
 
 def _follow(

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.rules import broken_analysis
+from latolato.core.errors import name_gap
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import check_increasing, checked_number
 from latolato.observables.period import LONGEST
@@ -83,10 +84,11 @@ def hits_pull(system: System) -> bool:
     )
 
 
-def check_span(name: str, low: float, high: float) -> None:
-    """Raise InputError unless the second limit is larger."""
+def check_span(low: float, high: float, kind: str = "") -> None:
+    """Raise InputError unless the second limit is larger; `kind` begins the names of both."""
     if not low < high:
-        raise broken_analysis("low_to_high", parameter=name, value=(low, high))
+        names = {"high": name_gap(f"{kind}high")}
+        raise broken_analysis("low_to_high", names, parameter=f"{kind}low", value=low)
 
 
 def increasing(name: str, values: Any, default: Floats) -> Floats:

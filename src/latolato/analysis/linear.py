@@ -247,21 +247,14 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
 
 def _check_no_wall(system: LatoLato | BallPair, position: str) -> None:
     """Refuse balls that are kept from the position, or lose energy at every passage of it."""
-    ball = system.balls[0]
-    pendulum = {
-        "length": ball.length, "mass": ball.mass, "damping": ball.damping,
-        "gravity": system.gravity,
-    }  # fmt: skip
     if any(each.radius > 0.0 for each in system.balls):
         rule = "hanging_points" if position == "hanging" else "upright_points"
         radius = max(each.radius for each in system.balls)
-        raise broken_analysis(rule, pendulum, parameter="radius", value=radius)
+        raise broken_analysis(rule, parameter="radius", value=radius)
     if system.restitution < 1.0:
-        raise broken_analysis(
-            "lossless_balls", pendulum, parameter="restitution", value=system.restitution
-        )
+        raise broken_analysis("lossless_balls", parameter="restitution", value=system.restitution)
     if len({each.damping / each.mass for each in system.balls}) > 1:
-        raise broken_analysis("one_drag_rate", pendulum)
+        raise broken_analysis("one_drag_rate")
 
 
 def check_oscillates(problem: Linear) -> None:

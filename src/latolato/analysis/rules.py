@@ -10,8 +10,7 @@ from functools import partial
 from latolato.core.rules import Rule, broken_rule
 
 _NO_WALLS = (
-    "choose the system Pendulum, which has no walls, with length {length:g}, mass {mass:g}, "
-    "damping {damping:g} and gravity {gravity:g}"
+    "choose the system Pendulum, which has no walls, with the length, mass and damping of one ball"
 )
 RULES = {
     # of the laws
@@ -31,7 +30,7 @@ RULES = {
     ),
     "drag_of_pivot": Rule(
         "must be 'pivot' here: this is computed for drag relative to the pivot",
-        "use floquet or a sweep, or give damping=0",
+        "use floquet or a sweep, or give {@damping}=0",
     ),
     "unclamped": Rule(
         "must be exact or none here: a clamped motion depends on its step, so small perturbations "
@@ -103,13 +102,15 @@ RULES = {
         "analysis; a crank must be shorter than its connecting rod by more"
     ),
     # of arguments
-    "needed_by_analysis": Rule("{name} needs {parameter}{unit}: give {option}"),
-    "low_to_high": Rule("must go from low to high", "swap them"),
+    "needed_by_analysis": Rule("this analysis needs {parameter}{unit}"),
+    "value_of_each": Rule("give one value for each parameter, with commas between"),
+    "such_values": Rule("give values such as 0 : 1 : 11, which are 11 from 0 to 1"),
+    "low_to_high": Rule("must be less than {high}"),
     "entropy_box": Rule(
         "must be at most the points of either axis, {points}", "take a smaller box or more points"
     ),
     "most_starts": Rule(
-        "{count} starts exceed the limit of {limit}; lower angle_points or velocity_points"
+        "{count} starts exceed the limit of {limit}; lower {@angle_points} or {@velocity_points}"
     ),
     "finer_tolerance": Rule(
         "must be below the tolerance of {tolerance:g} rad",
@@ -124,7 +125,7 @@ RULES = {
         "a ball at rest on the low wall stays there",
     ),
     "first_orbit": Rule(
-        "low and high must enclose the {name} of the first orbit, {begun:.9g}, got [{low:g}, "
+        "{@low} and {@high} must enclose the {name} of the first orbit, {begun:.9g}, got [{low:g}, "
         "{high:g}]"
     ),
     "two_parameters": Rule("must be two parameters that do not set the same thing"),
@@ -150,10 +151,10 @@ RULES = {
     ),
     "brought_by_point": Rule("comes with the special point that at gives", "leave out one of both"),
     "start_below_threshold": Rule(
-        "the start must lie below threshold_angle {threshold:g} rad; give a larger one"
+        "the start must lie below {@threshold_angle} {threshold:g} rad; give a larger one"
     ),
     "slowest_orbit": Rule(
-        "must be at least {ratio:g} natural frequencies for an orbit", "raise drive_frequency"
+        "must be at least {ratio:g} natural frequencies for an orbit", "raise {@drive_frequency}"
     ),
     "slowest_drive": Rule(
         "must be at least {share:g} of the natural frequency {frequency:g} rad/s"
@@ -170,7 +171,7 @@ RULES = {
         "must be one fewer than the {count} drive_frequencies", "the last stage goes on"
     ),
     "alike_trajectories": Rule(
-        "{count} trajectories without noise are all the same: give noise_strength or one"
+        "{count} trajectories without noise are all the same: give {@noise_strength} or one"
     ),
     # of texts in the form of a page
     "range_of_values": Rule("must be low : high : count"),

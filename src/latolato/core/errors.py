@@ -129,6 +129,11 @@ def joined(parts: Iterable[str], between: str = " ") -> Sentence:
     return Sentence(NamedRule("", between.join(f"{{{name}}}" for name in values), "", values))
 
 
+def name_gap(parameter: str) -> Sentence:
+    """Return what a user calls a parameter, for the gap of a sentence."""
+    return Sentence(NamedRule("", f"{{@{parameter}}}", "", {}))
+
+
 class InputError(ValueError):
     """Input that breaks a rule; any other exception is a bug in the program.
 

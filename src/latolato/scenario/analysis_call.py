@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.core.errors import InputError
 from latolato.core.quantities import in_brackets
+from latolato.core.rules import sentence
 from latolato.scenario.analysis_options import read_value
 from latolato.scenario.units import to_si
 
@@ -104,7 +105,7 @@ class AnalysisCall:
     def _needed(self, option: Parameter, scenario: Scenario) -> Any:
         """Return a needed value from the laws of a scenario."""
         from latolato.analysis.flow import value_of
-        from latolato.analysis.rules import broken_analysis
+        from latolato.analysis.rules import RULES, broken_analysis
 
         drive = _moving(scenario)
         if drive is not None and not option.several:
@@ -113,9 +114,13 @@ class AnalysisCall:
             except InputError:
                 pass
         unit = "" if option.unit_of else in_brackets(option.unit)
-        example = "" if not option.several else " 0,1" if option.unit_of else ' "0 : 1 : 11"'
-        names = {"name": self.name, "unit": unit, "option": f"{option.flag}{example}"}
-        raise broken_analysis("needed_by_analysis", names, parameter=option.name)
+        values = sentence("value_of_each" if option.unit_of else "such_values", RULES)
+        raise broken_analysis(
+            "needed_by_analysis",
+            {"unit": unit},
+            parameter=option.name,
+            way_out=values if option.several else None,
+        )
 
     def _value(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> Any:
         """Return the argument of an option; its unit may be that of what another option names."""

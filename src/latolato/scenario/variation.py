@@ -28,7 +28,6 @@ if TYPE_CHECKING:
 MOST_VALUES = 10_000_000
 _RANGE = ("low", "high", "count", "spacing")
 _SIDES = ("_right", "_left")
-_EXAMPLE = 'for example "drive_amplitude = 0 : 0.5 : 400 m"'
 _COUNT = re.compile(r"(?P<count>[-+]?\d+)\s*(?P<log>log\b)?\s*(?P<unit>(?!e[-+]?\d|\.).*)")
 _WITH_PARAMETERS = re.compile(r"(?P<kind>\w+)\s*\((?P<parameters>.*)\)")
 
@@ -119,10 +118,10 @@ def _from_text(name: str, parts: Sequence[str], unit: str) -> Values:
     match = _COUNT.fullmatch(parts[2])
     if match is None:
         raise InputError(
-            "axis {parameter} needs a whole number of values after its ends",
+            "needs a whole number of values after its ends",
             parameter=name,
             value=parts[2],
-            way_out=_EXAMPLE,
+            way_out=f"for example 0 : 1 : 11{'' if unit in ('', '1') else f' {unit}'}",
         )
     ends = parts[:2]
     if match["unit"]:
@@ -192,7 +191,11 @@ def parse_axis(text: str) -> tuple[str, Any]:
     head, equals, rest = text.partition("=")
     together, colon, first = head.partition(":")
     if not equals or not head.strip():
-        raise InputError("an axis must be NAME=VALUES", value=text, way_out=_EXAMPLE)
+        raise InputError(
+            "an axis must be NAME=VALUES",
+            value=text,
+            way_out='for example "drive_amplitude = 0 : 0.5 : 400 m"',
+        )
     if not colon:
         return _name(head), rest.strip()
     columns: dict[str, str] = {}

@@ -24,8 +24,8 @@ test("of the languages that a reader wants the first that there is is taken, els
 });
 
 test("a refusal has the unit and the label of the screen", () => {
-  const limits = [{ is_lower: true, end: 0, is_open: false, rule: "at_least", values: {} },
-    { is_lower: false, end: Math.PI / 2, is_open: false, rule: "at_most", values: {} }];
+  const limits = [{ is_lower: true, end: 0, is_open: false, rule: "at_least", values: { end: "0" } },
+    { is_lower: false, end: Math.PI / 2, is_open: false, rule: "at_most", values: { end: "1.570796327" } }];
   const option = { label: "Where it starts", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }], limits };
   const registry = /** @type {any} */ ({ options: { angle: option } });
   const beyond = brokenRule("at_most", { parameter: "angle", value: 2 }, { range: "[0, 1.570796327] rad", end: "1.570796327" });
@@ -47,6 +47,26 @@ test("a refusal has the unit and the label of the screen", () => {
   const words = brokenRule("quantity_of_unit", { parameter: "angle", value: "x" }, { unit: "rad" });
   assert.equal(words.message, "angle must be given in rad (or a unit that converts to it), got 'x'");
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
+});
+
+test("a rule that is no limit of its option says its own end", () => {
+  const limits = [{ is_lower: true, end: 0, is_open: false, rule: "at_least", values: { end: "0" } }];
+  const registry = /** @type {any} */ ({ options: {
+    low: { label: "Low", unit: "m", units: [{ name: "mm", size: 0.001 }], limits } } });
+  const says = (/** @type {InputError} */ error) => inPagesWords(registry, error)[0];
+  const values = { range: "(0, inf) m", end: "0" };
+  assert.equal(says(brokenRule("more_than", { parameter: "low", value: 0 }, values)),
+    "“Low” must be above 0 mm, got 0");
+  assert.equal(says(brokenRule("at_least", { parameter: "low", value: -1 }, values)),
+    "“Low” must be at least 0 mm, got -1000");
+});
+
+test("other numbers have the unit of the screen, and other parameters their labels", () => {
+  const low = { label: "Low", unit: "m", units: [{ name: "mm", size: 0.001 }] };
+  const registry = /** @type {any} */ ({ options: { low, high: { label: "High", unit: "m" } } });
+  const rule = { name: "", part: /** @type {const} */ ("rule"), text: "must be less than {@high}", values: {} };
+  assert.equal(inPagesWords(registry, new InputError(rule, { parameter: "low", value: 0.018 }))[0],
+    "“Low” must be less than “High”, got 18 mm");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {

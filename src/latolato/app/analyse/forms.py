@@ -139,6 +139,7 @@ def pretty(text: str) -> str:
 
 def about_request(request: RunRequest) -> dict[str, Any]:
     """Return the options of what a page asks for, and with which texts the forms begin."""
+    from latolato.analysis import analyses
     from latolato.simulation.summary import plain
 
     scenario = request.to_scenario()
@@ -146,6 +147,7 @@ def about_request(request: RunRequest) -> dict[str, Any]:
         {
             "options": options_of(scenario),
             "title": scenario.title,
+            "titles": {name: label_of(name) for name in analyses},
             "first": first_texts(scenario),
             "parameters": parameters_of(scenario),
         }

@@ -3,14 +3,15 @@
 import { el } from "../page/dom.js";
 import { Form } from "../page/form.js";
 import { inWords } from "../page/option_labels.js";
-import { t } from "../strings.js";
+import { t, tr } from "../strings.js";
 
 /** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
 /** @typedef {FieldOption & {required: boolean, is_in_unit_of_parameter: boolean}} Argument */
-/** @typedef {{title: string, options: Record<string, any>, first: Record<string, Record<string, string>>,
+/** @typedef {{title: string, options: Record<string, any>, titles: Record<string, string>,
+ *   first: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, unit: string, units: import("../page/unit_text.js").Unit[],
  *   low: string, high: string}>}} SystemAbout
- *   what the server says about system and drive: texts to begin with, and what diagrams can vary */
+ *   what the server says about system and drive: titles of analyses, texts to begin with, and what diagrams can vary */
 
 // The option that says what a diagram varies, and the two that say between which limits.
 const VARIED = "parameter";
@@ -28,7 +29,7 @@ export class ArgumentForm {
     this.begun = /** @type {Record<string, string>} */ ({});
     /** @type {Record<string, Argument>} */
     this.fields = {};
-    /** @type {Record<string, {label: string}>} what options and parameters are called */
+    /** @type {Record<string, {label: string}>} what options, parameters and analyses are called */
     this.words = {};
     /** What the fields on show are made of: those in which somebody types stay until it changes. */
     this.shape = "";
@@ -58,7 +59,8 @@ export class ArgumentForm {
     const same = this.name === name;
     this.name = name;
     this.fields = options;
-    this.words = { ...about.parameters, ...options };
+    const analyses = Object.entries(about.titles).map(([each, title]) => [each, { label: tr(title) }]);
+    this.words = { ...Object.fromEntries(analyses), ...about.parameters, ...options };
     const defaults = Object.fromEntries(Object.entries(options).filter(([, each]) => each.switch || each.choices.length)
       .map(([each, { default: usual, choices }]) => [each, usual.toLowerCase() || choices[0] || "false"]));
     this.begun = { ...defaults, ...about.first[name] };

@@ -71,9 +71,9 @@ export class InputError extends Error {
   /**
    * @param {string | Sentence} rule the rest of a sentence that begins with the parameter's name, or a whole
    *   one in which `{parameter}` stands for it
-   * @param {{parameter?: string, value?: any, wayOut?: string | Sentence, fields?: string[], where?: string}}
-   *   [about] `value` is what was given, `fields` name those of a map that hold what is wrong, and `where` is the
-   *   file that holds it
+   * @param {{parameter?: string, value?: any, shown?: string, wayOut?: string | Sentence, fields?: string[],
+   *   where?: string}} [about] `value` is what was given, `shown` how it is written if not as Python does, `fields`
+   *   name those of a map that hold what is wrong, and `where` is the file that holds it
    */
   constructor(rule, about = {}) {
     super(worded(rule, about, about.parameter, ENGLISH));
@@ -141,7 +141,7 @@ function worded(rule, about, name, language) {
       // A label has quotes of its own.
       : (name?.startsWith("\u201c") ? text.replaceAll("'{parameter}'", "{parameter}") : text)
         .replaceAll("{parameter}", String(name));
-  if ("value" in about) text += `, ${language.word("got")} ${literal(about.value)}`;
+  if ("value" in about) text += `, ${language.word("got")} ${about.shown ?? literal(about.value)}`;
   if (about.wayOut !== undefined) text += `; ${say(about.wayOut, language)}`;
   if (about.where !== undefined) text = `${about.where}: ${text}`;
   return text.replace(/\s+/g, " ").trim();

@@ -14,7 +14,9 @@ const LANGUAGE = { sentence: ruleText, word: tr, label: (parameter) => {
 // Rules that refuse what is no number in the unit of an option.
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
-const ENDS = ["at_least", "more_than", "at_most", "less_than"];
+const LOWER_ENDS = ["at_least", "more_than"];
+const OPEN_ENDS = ["more_than", "less_than"];
+const ENDS = [...LOWER_ENDS, "at_most", "less_than"];
 const SIZES = ["size", "turns", "tiny"];
 const RADII = ["radius", "right radius", "left radius"];
 // Problems with the start, and the texts for them in the unit on the screen.
@@ -41,9 +43,10 @@ function quoted(label) {
 /**
  * Return the text of an error in the language of the page; it calls parameters by their names.
  * @param {Error} error
+ * @param {import("../model/rules.js").RuleLanguage} [language]
  */
-export function inLanguage(error) {
-  return error instanceof InputError ? local(error.worded(String(error.parameter), LANGUAGE)) : tr(error.message);
+export function inLanguage(error, language = LANGUAGE) {
+  return error instanceof InputError ? local(error.worded(String(error.parameter), language)) : tr(error.message);
 }
 
 /**
@@ -82,16 +85,23 @@ export function endsText(least, most) {
 }
 
 /**
- * Return the ends of the range that a rule of an option names, null where there is none.
+ * Return the ends of the range that a rule names, null where there is none: those of the option, or the rule's own
+ * end where it is no limit of the option.
  * @param {import("../model/registry.js").Option["limits"]} limits
- * @param {string} rule
+ * @param {import("../model/rules.js").Sentence} rule
+ * @returns {({end: number, is_open: boolean} | null)[]}
  */
-function endsOf(limits, rule) {
-  const names = ENDS.includes(rule) ? ENDS : [rule];
+function endsOf(limits, { name, values }) {
+  if (ENDS.includes(name) && !limits.some(({ rule, values: own }) => rule === name && own.end === values.end)) {
+    const end = { end: Number(values.end), is_open: OPEN_ENDS.includes(name) };
+    if (Number.isNaN(end.end)) return [null, null];
+    return LOWER_ENDS.includes(name) ? [end, null] : [null, end];
+  }
+  const names = ENDS.includes(name) ? ENDS : [name];
   const end = (/** @type {boolean} */ isLower) =>
     limits.find((limit) => limit.is_lower === isLower && names.includes(limit.rule)) ?? null;
   // A size has no limit below where it cannot be negative.
-  return [end(true) ?? (SIZES.includes(rule) ? { end: 0, is_open: false } : null), end(false)];
+  return [end(true) ?? (SIZES.includes(name) ? { end: 0, is_open: false } : null), end(false)];
 }
 
 /**
@@ -115,7 +125,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
     `${number(each)}${shown && (shown.startsWith("°") ? shown : ` ${shown}`)}`;
   const own = { ...about, value: Number(number(value)) };
   if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
-    const [least, most] = endsOf(limits, rule.name);
+    const [least, most] = endsOf(limits, rule);
     if (!least && !most) return error;
     const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
     const shownEnd = (/** @type {{end: number, is_open: boolean} | null} */ end) =>
@@ -132,7 +142,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
   if (RADII.includes(rule.name))
     return new InputError(t("refuseEnds", { ends: endsText({ end: withUnit(0), is_open: false },
       { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: number(length) }) });
-  return error;
+  return shown ? new InputError(rule, { ...error.about, shown: withUnit(value) }) : error;
 }
 
 /**
@@ -143,12 +153,15 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
  * @returns {[string, string | null]}
  */
 export function inPagesWords(registry, error) {
-  if (!(error instanceof InputError) || error.parameter === null) return [inLanguage(error), null];
+  const { options } = registry;
+  const language = { ...LANGUAGE, label: (/** @type {string} */ parameter) =>
+    (Object.hasOwn(options, parameter) ? quoted(options[parameter].label) : LANGUAGE.label(parameter)) };
+  if (!(error instanceof InputError) || error.parameter === null) return [inLanguage(error, language), null];
   const [name] = error.parameter.split("[");
-  const option = registry.options[name];
-  if (!option) return [inLanguage(error), null];
+  const option = options[name];
+  if (!option) return [inLanguage(error, language), null];
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [local(own.worded(quoted(option.label), LANGUAGE)), name];
+  return [local(own.worded(quoted(option.label), language)), name];
 }
