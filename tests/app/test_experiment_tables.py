@@ -180,6 +180,32 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     assert options["length"] == pytest.approx(LENGTH, rel=2e-3)
 
 
+def test_a_unit_of_something_else_is_chosen_before_the_table_is_used(page, angle, tmp_path):
+    path = written(tmp_path / "mass.csv", "t (s),theta (kg)", TIME, angle)
+    dropped(page, path)
+    page.get_by_text("Choose the unit of “theta” in the table first.").wait_for()
+    assert page.get_by_role("button", name="Use this table").is_disabled()
+    # German for degrees, elsewhere for gons.
+    path = written(tmp_path / "swing.csv", "t (s),Winkel (Grad)", TIME, np.degrees(angle))
+    dropped(page, path)
+    page.get_by_text("Choose the unit of “Winkel” in the table first.").wait_for()
+    assert page.get_by_label("unit of Winkel").get_attribute("aria-invalid") == "true"
+    page.get_by_label("unit of Winkel").select_option("deg")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+
+
+def test_a_table_that_is_refused_calls_its_columns_as_the_page_does(page, angle, tmp_path):
+    x, y = LENGTH * np.sin(angle), -LENGTH * np.cos(angle)
+    path = written(tmp_path / "places.csv", "t (s),x (m),y (m)", TIME, x, y)
+    dropped(page, path)
+    page.get_by_role("button", name="Use this table").click()
+    page.get_by_text(
+        "angles from positions need the pivot; give “pivot”, or its columns “x of the pivot” and "
+        "“y of the pivot”"
+    ).wait_for()
+
+
 def test_frames_ask_for_their_rate_and_directions_for_theirs(page, angle, tmp_path):
     head = "frame,theta (deg)"
     path = written(tmp_path / "frames.csv", head, 50.0 * TIME, np.degrees(angle) - 90.0)

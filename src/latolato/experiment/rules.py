@@ -297,11 +297,10 @@ RULES = {
     "removed_turn": Rule("{count} whole turn taken off {column}"),
     "removed_turns": Rule("{count} whole turns taken off {column}"),
     "stated_above": Rule(
-        "{column} is above the pivot in most rows: is it counted from the x axis "
-        "({@angle_from} = 'right')?"
+        "{column} is above the pivot in most rows: is it counted from the x axis ({@angle_from})?"
     ),
     "placed_above": Rule(
-        "{column} is above the pivot in most rows: does y point down ({@y_axis} = 'down')?"
+        "{column} is above the pivot in most rows: does y point down ({@y_axis})?"
     ),
     # why a table cannot be imported
     "own_table": Rule("it is a track table already", "use it as it is"),
@@ -340,7 +339,7 @@ RULES = {
     ),
     "which_time": Rule(
         "which column is the time?",
-        "name it, as in time = 't [s]', or give {@frame_rate} if each row is a frame",
+        "say which one, or give {@frame_rate} if each row is a frame",
     ),
     "no_target": Rule("a track table has no column '{name}'"),
     "angle_or_rate": Rule("give angle_1 or {rate}, not both"),
@@ -382,7 +381,7 @@ RULES = {
     "half_place": Rule("{name} needs its other coordinate too"),
     "pivot_needed": Rule(
         "angles from positions need the pivot",
-        "give pivot = (x, y), or its columns pivot_x and pivot_y",
+        "give {@pivot}, or its columns pivot_x and pivot_y",
     ),
     "few_rates": Rule("{rate} needs at least 8 numbers at increasing times"),
     "few_turns_of_rate": Rule("an angle from {rate} needs a swing with at least 6 turning points"),
@@ -553,7 +552,7 @@ RULES = {
     ),
     "jumping_angle": Rule(
         "the angle jumps by {jump:.3g} rad at {time:.4g} s: the camera or the film changes there",
-        "give end, or start, to use one part",
+        "give {@end}, or {@start}, to use one part",
     ),
     "turned_angle": Rule(
         "the angle jumps by {turn} at {time:.4g} s, which no ball does between two samples",
@@ -561,7 +560,7 @@ RULES = {
     ),
     "beyond_half_turn": Rule(
         "the angle reaches {reach:.3g} rad on one side, more than half a turn, which no free swing "
-        "does: are the angles in degrees? If not, set start to the time when it begins to swing"
+        "does: are the angles in degrees? If not, leave out what comes before the swing"
     ),
     "no_crossings": Rule(
         "no swing was found: the angle does not cross zero twice beyond its noise"

@@ -2,6 +2,7 @@
 
 import { el } from "../page/dom.js";
 import { choice } from "../page/fields.js";
+import { withLabels } from "../page/option_labels.js";
 import { sentenceInLanguage } from "../page/refusals.js";
 import { shownUnit } from "../page/unit_text.js";
 import { capitalised, t } from "../strings.js";
@@ -98,13 +99,13 @@ export function choicesOf(sheet) {
 }
 
 /**
- * Return the names of columns whose unit is missing: they cannot be used yet. Times on a clock have none.
+ * Return the names of columns without a unit of what they are: they cannot be used yet. Times on a clock have none.
  * @param {Sheet} sheet
  * @param {Record<string, string[]>} known the units that each role may have
  */
 export function withoutUnit({ parts, part, roles, units, isOwn }, known) {
   return isOwn ? [] : parts[part].columns.filter(({ position, kind }) => kind !== "texts"
-    && known[roles[position]]?.length && !units[position]).map(({ path }) => path);
+    && known[roles[position]]?.length && !known[roles[position]].includes(units[position])).map(({ path }) => path);
 }
 
 /** The card that shows a table. */
@@ -115,6 +116,8 @@ export class SheetCard {
    */
   constructor(roles, changed) {
     this.roles = roles;
+    /** What the page calls roles, for sentences that name them. */
+    this.words = Object.fromEntries(Object.keys(roles).map((role) => [role, { label: t(`role_${role}`) }]));
     this.changed = changed;
     this.content = "";
     /** @type {Sheet | null} */
@@ -151,21 +154,12 @@ export class SheetCard {
     this.root.replaceChildren(el("h2", {}, t("sheet")),
       isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", sentenceInLanguage(about)),
       ...notes.map((note) => sentence("hint", sentenceInLanguage(note))),
-      question === null || isOwn ? "" : sentence("hint", this.inWords(sentenceInLanguage(question))),
+      question === null || isOwn ? "" : sentence("hint", withLabels(sentenceInLanguage(question), this.words)),
       parts.length > 1 ? this.choice(sheet) : "",
       isOwn ? "" : el("p", { class: "hint" }, t("sheetHint")),
       el("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": t("sheet") },
         el("table", {}, el("thead", {}, el("tr", {}, ...heads)), el("tbody", {}, ...body))),
       el("p", { class: "hint" }, t("sheetRows", { shown: first.length, count: rows })));
-  }
-
-  /**
-   * Return a question with the words of the page for the roles that it names.
-   * @param {string} text
-   */
-  inWords(text) {
-    return text.replace(/\b[a-z]+(?:_\w+)+\b/g, (name) =>
-      (name in this.roles ? `“${t(`role_${name}`)}”` : name));
   }
 
   /** @param {Sheet} sheet */

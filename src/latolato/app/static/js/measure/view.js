@@ -4,6 +4,7 @@ import { Clock } from "../player/clock.js";
 import { Curves } from "../player/curves.js";
 import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
+import { withLabels } from "../page/option_labels.js";
 import { textsOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
 import { inPagesWords, learnLabels, sentenceInLanguage, warningsText } from "../page/refusals.js";
@@ -25,7 +26,7 @@ import { panelsOf } from "./track.js";
 const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
 /** What sets the parameters that have no field. */
 const CONTROLS = { start: "startHere", end: "endHere", click_frame: "pointHere", balls: "ballCount",
-  angle_from: "angleFrom", y_axis: "yDown" };
+  angle_from: "angleFrom", y_axis: "yDown", pivot: "pivot" };
 /** A link with this part clips an example and measures it. */
 const LINKED = "measure.example";
 
@@ -78,8 +79,10 @@ export class MeasureView {
     } },
     this.side, el("div", { class: "main" }, this.welcome, this.said, this.preview, this.player,
       this.trials, this.exports));
-    this.session = new Session(() => this.update(), (error) =>
-      inPagesWords(this.setup?.form.registryInWords ?? this.page.registry, error));
+    this.session = new Session(() => this.update(), (error) => {
+      const [text, field] = inPagesWords(this.setup?.form.registryInWords ?? this.page.registry, error);
+      return [withLabels(text, this.sheet?.words ?? {}), field];
+    });
     this.update();
   }
 

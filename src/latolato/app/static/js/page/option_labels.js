@@ -3,7 +3,7 @@
 import { capitalised } from "../strings.js";
 
 // Names of options: those of one word are words of other sentences too, but not as “… must be”.
-const NAMES = /\b[a-z]+(?:_[a-z]+)+\b|^[a-z]+(?= must )/g;
+const NAMES = /\b[a-z]+(?:_[a-z\d]+)+\b|^[a-z]+(?= must )/g;
 
 /**
  * Return a refusal with the words of the page for the options that it names.
