@@ -96,7 +96,7 @@ def test_a_crank_that_is_too_short_is_refused():
 
 
 def test_systems_without_a_wall_or_a_radius_are_refused():
-    with pytest.raises(ValueError, match="a pendulum has no wall to start from"):
+    with pytest.raises(ValueError, match="a Pendulum has no wall to start from"):
         start(ll.Pendulum(length=1.0, mass=0.8), 2.0)
     with pytest.raises(ValueError, match="balls without a radius rest straight below"):
         start(ll.LatoLato(length=1.0, mass=0.8, radius=0.0), 2.0)

@@ -419,7 +419,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
          "“radius of one ball” must be at least 0 mm and below the length, got 18; give less "
          "than 15"),
         ("lang=id&scenario=fig02&analyse.what=impact_map&analyse.ask=1",
-         "Peta tumbukan membutuhkan dinding, dan Pendulum tidak punya; pakai LatoLato"),
+         "Peta tumbukan membutuhkan dinding, dan Bandul tidak punya; pakai Lato-lato"),
         ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
          "harus 0 untuk bola yang menggantung lurus ke bawah"),
         ("lang=en&scenario=toy&analyse.what=growth_rate&analyse.ask=1",

@@ -13,7 +13,7 @@ from latolato.analysis.rules import RULES as OF_ANALYSES
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
 from latolato.core.parameters import flag_of
-from latolato.core.rules import RULES, broken_rule, sentence
+from latolato.core.rules import RULES, broken_rule, either_of, sentence
 from latolato.experiment.importing import import_table
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
@@ -56,6 +56,12 @@ def test_pages_can_fill_every_gap(name):
 def test_rules_leave_it_to_each_surface_what_an_option_is_called(name):
     for text in SENTENCES[name]:
         assert "--" not in text
+
+
+def test_names_of_which_one_is_meant_are_translated_one_by_one():
+    names = in_parts(either_of(["pendulum", "latolato", "ballpair"]))
+    assert (names["name"], names["values"]["other"]) == ("either_of", "ballpair")
+    assert names["values"]["first"]["values"] == {"first": "pendulum", "other": "latolato"}
 
 
 def test_a_gap_may_hold_the_name_of_a_parameter():

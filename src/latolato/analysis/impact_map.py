@@ -11,6 +11,7 @@ import numpy as np
 from latolato.analysis.checks import TransientPeriods, checked_periodic
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.rules import broken_analysis
+from latolato.core.errors import Word
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -84,7 +85,7 @@ def impact_map(
     """
     drive = checked_periodic(system, drive)
     if not system.has_contacts:
-        raise broken_analysis("walls_of_map", {"law": type(system).__name__})
+        raise broken_analysis("walls_of_map", {"law": Word(type(system).__name__)})
     period = math.tau / drive.drive_frequency
     begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(

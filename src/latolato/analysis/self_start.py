@@ -15,9 +15,10 @@ from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.roots import find_root
 from latolato.analysis.rules import broken_analysis
 from latolato.analysis.starts import hanging_angles
+from latolato.core.errors import Word
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive, PeriodicDrive
-from latolato.physics.pendulum import System, systems
+from latolato.physics.pendulum import System
 from latolato.simulation.run import simulate
 from latolato.simulation.start import checked_system
 
@@ -145,7 +146,7 @@ def resting_angles(system: System) -> tuple[float, ...]:
     check_drag(checked_system(system))
     angles = hanging_angles(system)
     if not system.has_contacts:
-        raise broken_analysis("wall_to_start", {"law": systems.name_of(system)})
+        raise broken_analysis("wall_to_start", {"law": Word(type(system).__name__)})
     if angles[0] == 0.0:
         raise broken_analysis("lifting_radius")
     if system.suspension == "string" and not hits_pull(system):

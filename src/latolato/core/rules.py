@@ -6,7 +6,8 @@ sentence by the name of its rule. What only Python checks has its sentence where
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from functools import reduce
 from typing import Any, NamedTuple
 
 from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence
@@ -75,6 +76,7 @@ RULES = {
     "foreign_part": Rule(
         "belongs to {part} {owners}, not to {kind}", "use {name} or change the {part}"
     ),
+    "either_of": Rule("{first} or {other}"),
     "either": Rule("give either {name} or {parameter}, got both"),
     "rigid_rod": Rule(
         "must be 0 with suspension 'rod', as a rod never goes slack",
@@ -224,6 +226,18 @@ RULES = {
 def sentence(rule: str, table: Mapping[str, Rule] = RULES, /, **values: Any) -> Sentence:
     """The sentence of a rule alone, such as a warning."""
     return Sentence(NamedRule(rule, *table[rule], values))
+
+
+def either_of(names: Sequence[str]) -> str:
+    """Return names of which one is meant.
+
+    Examples
+    --------
+    >>> print(either_of(["pendulum", "latolato"]))
+    pendulum or latolato
+    """
+    first, *others = names
+    return reduce(lambda a, b: sentence("either_of", first=a, other=b), others, first)
 
 
 def broken_rule(

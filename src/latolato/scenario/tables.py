@@ -13,7 +13,7 @@ from latolato.core.errors import InputError
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
-from latolato.core.rules import broken_rule
+from latolato.core.rules import broken_rule, either_of
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, drives
@@ -68,7 +68,7 @@ def _with_contact(run: Tables) -> Tables:
             contact = run.get("contact", RUN_OPTIONS["contact"].default) or "none"
             raise broken_rule(
                 "foreign",
-                {"part": "contact", "owners": " or ".join(owners[name]), "kind": contact},
+                {"part": "contact", "owners": either_of(owners[name]), "kind": contact},
                 parameter=name,
                 kind=ForeignParameterError,
             )
@@ -112,7 +112,7 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
     raise broken_rule(
         "foreign_part" if inner in own else "foreign",
-        {"part": part, "owners": " or ".join(owners), "kind": kind, "name": inner},
+        {"part": part, "owners": either_of(owners), "kind": kind, "name": inner},
         parameter=f"{name}_{inner}" if inner else name,
         kind=ForeignParameterError,
     )

@@ -103,6 +103,17 @@ test("levels are read with their units", () => {
   assert.deepEqual(read("0.5, 1, 2 kJ"), { values: [500, 1000, 2000], text: "0.5 kJ, 1 kJ, 2 kJ", problem: null });
   assert.deepEqual(read(" ").values, []);
   for (const text of ["1,,3", "1, many", "3 kg", "nan"]) assert.notEqual(read(text).problem, null, text);
+  assert.equal(read("1, 1e999").problem, "“1e999” is too large to compute with.");
+});
+
+test("a number may be followed by the phrase of its field", () => {
+  const registry = { units: { Hz: [2 * Math.PI, { s: -1 }] }, prefixes: {} };
+  const takes = { registry, unit: "Hz", usual: { name: "Hz", size: 1 }, shown: "per second" };
+  const found = readEntry("3 per second", takes);
+  assert.deepEqual(found, readEntry("3", takes));
+  assert.equal(found.problem, null);
+  assert.equal(readEntry("x per second", takes).problem,
+    "A number “per second” belongs here; “x per second” is not one.");
 });
 
 test("scales are tables of 256 opaque colours from dark to bright", () => {

@@ -4,7 +4,7 @@ import { begin, shake } from "../kernels/begin.js";
 import { loadKernels, moduleFor } from "../kernels/load.js";
 import { checkAcross, checkedList, checkIncreasing, driveOf, fieldsOf, planarOption, systemOf } from "./laws.js";
 import { optionsOf, partsOf, withoutRatios } from "./options.js";
-import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, refusal, unknown } from "./rules.js";
+import { BeyondPageError, brokenRule, checkedChoice, checkedNumber, eitherOf, refusal, unknown } from "./rules.js";
 
 /** @typedef {import("../kernels/memory.js").Kernels} Kernels */
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -88,7 +88,7 @@ export function contactOf(registry, system, run) {
   for (const option of Object.keys(run)) {
     if (!owners(option).length || owners(option).includes(name)) continue;
     throw brokenRule("foreign", { parameter: option },
-      { part: { word: "contact" }, owners: owners(option).join(" or "), kind: name });
+      { part: { word: "contact" }, owners: eitherOf(owners(option)), kind: name });
   }
   const own = laws[name].options.map((option) => {
     const about = registry.options[option];

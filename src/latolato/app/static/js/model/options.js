@@ -1,6 +1,6 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
-import { brokenRule, checkedNumber, suggest, unknown } from "./rules.js";
+import { brokenRule, checkedNumber, eitherOf, suggest, unknown } from "./rules.js";
 import { toSi } from "./units.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -192,5 +192,5 @@ export function foreign(registry, part, kind, name, called = name) {
   const inner = path[1] ?? "";
   const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
   return brokenRule(knows ? "foreign_part" : "foreign", { parameter: called },
-    { part: { word: part }, owners: Object.keys(laws).filter(owns).join(" or "), kind, name: inner });
+    { part: { word: part }, owners: eitherOf(Object.keys(laws).filter(owns)), kind, name: inner });
 }

@@ -104,6 +104,15 @@ export function brokenRule(name, about = {}, values = {}) {
   return new InputError(sentenceOf(name, values), { ...wayOut, ...about });
 }
 
+/**
+ * Return names of which one is meant, as `latolato.core.rules.either_of`.
+ * @param {string[]} names
+ * @returns {string | Sentence}
+ */
+export function eitherOf(names) {
+  return /** @type {(string | Sentence)[]} */ (names).reduce((first, other) => sentenceOf("either_of", { first, other }));
+}
+
 /** What is right, and left to the installed program. */
 export class BeyondPageError extends InputError {
   /**

@@ -50,7 +50,9 @@ export function readEntry(typed, takes) {
     return wrong(example ? t("numberNeeded", { example }) : t("numberNeededHere"));
   }
   const pointed = withPoints(typed, isList);
-  const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim());
+  const phrase = takes.shown ?? "";
+  const parts = (isList ? pointed.split(",") : [pointed]).map((part) => part.trim())
+    .map((part) => (phrase && part.endsWith(phrase) ? part.slice(0, -phrase.length).trim() : part));
   const unit = usual.name === "1" ? "" : usual.name;
   const last = splitQuantity(parts[parts.length - 1])?.unit || unit;
   const texts = parts.map((part) => (splitQuantity(part)?.unit === "" ? `${part} ${last}`.trim() : part));
@@ -59,8 +61,9 @@ export function readEntry(typed, takes) {
   const k = values.findIndex(Number.isNaN);
   if (k >= 0) {
     const [text, shown] = [isList && parts[k] ? local(parts[k]) : typed.trim(), shownUnit(unit)];
-    const problem = takes.shown ? t("noNumberOf", { text, unit: takes.shown })
-      : t(shown ? "noNumberIn" : "noNumber", { text, unit: shown });
+    const isLarge = read[k].isLarge;
+    const problem = !isLarge && phrase ? t("noNumberOf", { text, unit: phrase })
+      : t(isLarge ? "tooLarge" : shown ? "noNumberIn" : "noNumber", { text, unit: shown });
     return wrong([problem, read[k].wayOut].filter(Boolean).join(" "));
   }
   return { values, problem: null, text: texts.join(", ") };
@@ -98,17 +101,17 @@ export function shownNumbers(text, { registry, unit, usual: { size } }) {
 }
 
 /**
- * Return a quantity in SI units, NaN for a text that is none and for one without end, then with a
- * sentence about what may be meant.
+ * Return a quantity in SI units; NaN with a sentence about what may be meant for a text that is none, and NaN
+ * for a number that is too large for a computer.
  * @param {Pick<Registry, "units" | "prefixes">} registry
  * @param {string} text
  * @param {string} unit the SI unit
- * @returns {{value: number, wayOut?: string}}
+ * @returns {{value: number, isLarge?: boolean, wayOut?: string}}
  */
 export function readQuantity(registry, text, unit) {
   try {
     const value = toSi(registry, "", text, unit);
-    return { value: Number.isFinite(value) ? value : NaN };
+    return Number.isFinite(value) ? { value } : { value: NaN, isLarge: !Number.isNaN(value) };
   } catch (error) {
     if (!(error instanceof InputError)) throw error;
     const { wayOut } = error.about;
