@@ -466,7 +466,13 @@ def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(page)
 REFUSED = [
     ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 and 1e+30 s"),
     ("each run lasts", 0, "-3", "Each run must last longer than 0 s, got -3 s."),
-    ("leave out", 0, "300", "The transient must be shorter than the duration 2 s"),
+    (
+        "leave out",
+        0,
+        "300",
+        "“leave out the first” must be shorter than “each run lasts” (2 s), got",
+    ),
+    ("leave out", 0, "-1", "“leave out the first” must be at least 0 s, got -1 s"),
     ("from", 1, "1e300", "the end must lie above the start, got 1e+300 mm"),
     ("to", 1, "-1", "the end must lie above the start, got 0 mm to -1 mm"),
 ]

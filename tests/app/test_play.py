@@ -349,7 +349,7 @@ def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
     open_form(page)
     field = page.get_by_label("duration", exact=False).first
     enter(field, "1e9")
-    page.locator(".form").get_by_text("shorten it, loosen the tolerance").wait_for()
+    page.locator(".form").get_by_text("shorten it, loosen “tolerance”").wait_for()
 
 
 def test_a_run_of_minutes_says_so_and_stops_at_once(page):

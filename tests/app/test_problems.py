@@ -131,8 +131,10 @@ def text_of_sweep(case: Case) -> str:
 def is_of(name: str, text: str) -> bool:
     """Return whether a text is that of a problem."""
     (problem,) = (each for each in PROBLEMS if each.name == name)
+    # Python calls parameters by their names.
     rule, way_out = (
-        re.sub(r"\\{\w+:[^}]*\}", ".+", re.escape(each)) for each in (problem.rule, problem.way_out)
+        re.sub(r"\\{\w+:[^}]*\}", ".+", re.sub(r"\\{@(\w+)\\}", r"\1", re.escape(each)))
+        for each in (problem.rule, problem.way_out)
     )
     called = re.escape(str(problem.parameter))
     rule = rule.replace(re.escape("{parameter}"), called)

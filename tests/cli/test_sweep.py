@@ -315,7 +315,7 @@ BAD = [
     ([*BOTH, "--observable", "mean_enrgy"], "did you mean 'mean_energy'?"),
     ([*BOTH, "--observable", "crossings(angle=1)"], "unknown parameter 'angle' of Crossings"),
     ([*BOTH, "--observable", "crossings(crossing_angle=1 m)"], "must be given in rad"),
-    ([*BOTH, "--transient", "2"], "transient must be shorter than the duration"),
+    ([*BOTH, "--transient", "2"], "transient must be shorter than --duration"),
     ([*BOTH, "--continuation", "frequency"], "continuation must name an axis"),
     ([*BOTH, "--direction", "down"], "direction 'down' needs a continuation"),
     (

@@ -255,7 +255,7 @@ MISTAKES = {
     "no duration": ({"duration": 0.0}, "duration must lie in"),
     "text as duration": ({"duration": "long"}, "duration must be a number in s"),
     "negative transient": ({"transient": -1.0}, "transient must lie in"),
-    "long transient": ({"transient": 3.0}, "transient must be shorter than the duration 3 s"),
+    "long transient": ({"transient": 3.0}, r"transient must be shorter than duration \(3 s\)"),
     "tolerance": ({"tolerance": 0.1}, "tolerance must lie in"),
     "contact_limit": ({"contact_limit": 0}, "contact_limit must lie in"),
     "chunk_size": ({"chunk_size": 2.5}, "chunk_size must be a whole number"),

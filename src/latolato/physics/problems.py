@@ -141,12 +141,13 @@ PROBLEMS = (
         "too many steps",
         "a run of this {parameter} would take {steps:.3g} steps of {step:.3g} s, the limit is "
         "{limit:g}",
-        "shorten it, loosen the tolerance (or enlarge clamp_step) or slow the motion",
+        "shorten it, loosen {@tolerance} (with contact 'clamp': enlarge {@clamp_step}), or slow "
+        "the motion: less damping, a slower start or a slower drive",
         ("steps", "step", "limit"), "duration",
     ),
     # Of points of a map.
     Problem(
-        "transient", "the {parameter} must be shorter than the duration {duration:g} s",
+        "transient", "{parameter} must be shorter than {@duration} ({duration:g} s)",
         values=("transient", "duration"), parameter="transient", value="transient",
     ),
     Problem("out of range", "the numbers of this run leave the range of floats"),

@@ -165,7 +165,8 @@ function timesOf(registry, layout, request, options, sweep) {
   if (!(duration > 0))
     throw new InputError(t("refuseDuration", { value: general(duration) }), { fields: ["duration"] });
   if (!(transient >= 0))
-    throw new InputError(t("refuseTransient", { value: general(transient) }), { fields: ["transient"] });
+    throw new InputError(t("refuseTransient", { title: t("mapTransient"), value: general(transient) }),
+      { fields: ["transient"] });
   if (transient >= duration)
     throw refusal(problemOf(layout, "transient", [transient, duration]), ["transient", "duration"]);
   checkedNumber(registry.options.duration, "duration", duration);

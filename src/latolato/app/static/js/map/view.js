@@ -271,7 +271,10 @@ export class MapView {
   /** @param {Error} error */
   refuse(error) {
     const { options, ...others } = this.form.registryInWords;
-    const registry = { ...others, options: { ...options, duration: { ...options.duration, label: t("mapDuration") } } };
+    const { duration } = options;
+    const times = { duration: { ...duration, label: t("mapDuration") },
+      transient: { ...duration, label: t("mapTransient") } };
+    const registry = { ...others, options: { ...options, ...times } };
     const [text, field] = inPagesWords(registry, error);
     const said = sentence(registry, error);
     const own = error instanceof InputError ? error.about.fields ?? [] : [];
