@@ -409,6 +409,10 @@ def test_energies_have_logarithmic_colours_and_the_picture_stays_below_the_longe
     page.evaluate("() => window.latolato.views.map.controls.keep({ observable: 'crossings' })")
     assert page.evaluate(look)["scale"] == "viridis_r"
     page.get_by_label("logarithmic colours").evaluate("(e) => e.closest('details').open = true")
+    darkest = page.get_by_role("textbox", name="darkest at")
+    enter(darkest, "0")
+    page.get_by_text("On a logarithmic scale this must be above 0.").wait_for()
+    assert "map.low" not in page.evaluate("() => location.search")
     page.get_by_label("logarithmic colours").uncheck()
     assert not page.evaluate(look)["log"]
     page.wait_for_function("() => location.search.includes('map.log=0')")

@@ -115,7 +115,8 @@ export class MapControls {
    * @param {number | null} value
    */
   limit(side, [low, high], value) {
-    if (low === null || high === null || low < high) this.keep({ [side]: value });
+    if (this.log.box.checked && value !== null && value <= 0) this.numbers[side].refuse(t("mapLogLimit"), null);
+    else if (low === null || high === null || low < high) this.keep({ [side]: value });
     else this.numbers[side].refuse(t("mapLimits"), null);
   }
 
