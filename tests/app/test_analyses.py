@@ -237,6 +237,21 @@ def test_the_command_on_show_has_the_arguments_of_the_answer(name, monkeypatch):
     assert seen == wanted
 
 
+@pytest.mark.filterwarnings("ignore::RuntimeWarning")
+def test_a_curve_without_a_point_has_no_rows_of_nothing(tmp_path):
+    settings = {"kind": "fold", "low": "0.01, 1", "high": "0.06, 4", "points": "5"}
+    given = {
+        "analysis": "bifurcation_curve",
+        "scenario": "toy",
+        "options": {},
+        "settings": settings,
+    }
+    told, _ = compute(given, tmp_path, print)
+    assert told["points"] == 0
+    assert dict(told["lines"])["Status"] == "not found"
+    assert "none" not in [text for _, text in told["lines"]]
+
+
 def test_tables_of_an_answer_hold_its_numbers():
     found = xr.Dataset(
         {

@@ -47,6 +47,7 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float]
     about = {
         "analysis": asked.name, "lines": numbers_of(result),
         "python": asked.python(arguments), "command": asked.command(),
+        "points": result.sizes.get("point", 0),
     }  # fmt: skip
     return about, {path.suffix[1:]: content_of(path) for path in folder.glob("result.*")}
 
@@ -57,9 +58,11 @@ def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
 
     rows = []
     for name, text in as_lines(_in_degrees(dataset.squeeze())).items():
-        if name == "analysis":
-            continue
         variable = dataset.variables.get(name)
+        # What was found of nothing, as along a curve without a point, needs no row.
+        is_empty = (variable is not None and variable.size == 0) or not text.strip(", ")
+        if name == "analysis" or is_empty:
+            continue
         label = str(variable.attrs.get("long_name") or name) if variable is not None else name
         rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
     return rows

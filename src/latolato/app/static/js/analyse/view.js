@@ -250,7 +250,7 @@ export class AnalyseView {
     }
     const { words } = this.own;
     const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words));
-    if (question.analysis === CURVE) answer.actions.append(el("button", { type: "button", on: {
+    if (question.analysis === CURVE && block.about.points > 0) answer.actions.append(el("button", { type: "button", on: {
       click: () => void this.showOverMap(block) } }, t("showOverMap")));
     this.answer.replaceChildren(answer.root);
     // On a phone it comes below the form.
