@@ -90,7 +90,7 @@ def test_the_same_table_is_made_again_without_clicks(filmed, tmp_path, capsys):
 @pytest.mark.parametrize(
     "click, settings, match",
     [
-        ((60.0, 60.0), {}, "the patch around the click looks like its surroundings"),
+        ((60.0, 60.0), {}, "it rests; point at the ball that swings"),
         # The rod alone: what is beside it is the wall.
         (
             None,

@@ -271,6 +271,26 @@ class _Refiner:
         for b, place in fixed:
             self._fix(n, int(b), shot.pivot, place)
 
+    def _is_old(self, repeats: np.ndarray, good: np.ndarray) -> np.ndarray:
+        """Return which balls have not moved since the last fresh picture as they should have.
+
+        The fresh pictures around, in which they are `good`, say where they should be.
+        """
+        from scipy.interpolate import Akima1DInterpolator
+
+        scene, angles, times = self.scene, self.out.angles, self.out.times
+        before = np.maximum.accumulate(np.where(repeats, 0, np.arange(len(repeats))))
+        led = np.zeros_like(angles)
+        for b in range(scene.balls):
+            fresh = ~repeats & good[:, b]
+            if fresh.sum() > 2:
+                path = Akima1DInterpolator(times[fresh], angles[fresh, b], extrapolate=True)
+                led[:, b] = np.abs(path(times) - angles[before, b]) * scene.arm
+        moved = np.abs(angles - angles[before]) * scene.arm
+        with np.errstate(invalid="ignore"):
+            is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
+            return np.asarray(is_old & (led > max(_STALE, _STALE_SHARE * scene.look.radius)))
+
     def _is_good(self, frames: slice) -> np.ndarray:
         """Return which balls were measured: not hidden, on the circle, where they may be."""
         scene, out = self.scene, self.out
@@ -302,16 +322,7 @@ class _Refiner:
         """
         scene, out = self.scene, self.out
         good = self._is_good(slice(None))
-        before, after = np.roll(out.angles, 1, axis=0), np.roll(out.angles, -1, axis=0)
-        moved = np.abs(out.angles - before) * scene.arm
-        # How far it should have gone by the path and by the pictures on both sides: at a turning
-        # point one of them is small.
-        led = np.abs(self.guesses - np.roll(self.guesses, 1, axis=0)) * scene.arm
-        led = np.fmin(led, 0.5 * np.abs(after - before) * scene.arm)
-        with np.errstate(invalid="ignore"):
-            is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
-            is_old &= led > max(_STALE, _STALE_SHARE * scene.look.radius)
-        good &= self.is_fixed | ~(repeats[:, None] & (is_converted | is_old))
+        good &= self.is_fixed | ~(repeats[:, None] & (is_converted | self._is_old(repeats, good)))
         good &= ~self._leaps(good) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"
