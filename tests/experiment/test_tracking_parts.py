@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -31,7 +32,7 @@ from latolato.experiment.tracking.kernels import layers as kernels
 from latolato.experiment.tracking.link import Trajectory
 from latolato.experiment.tracking.paint import filled, turned
 from latolato.experiment.tracking.pivot import PivotTracker, learn_template
-from latolato.experiment.tracking.refine import contact_times, take_off_turns
+from latolato.experiment.tracking.refine import _Refiner, contact_times, take_off_turns
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import _is_wanted, median_planes
 from latolato.experiment.tracking.teach import Sighting, _learn_staying, _learn_turning
@@ -683,3 +684,34 @@ def test_an_uncertain_pivot_is_looked_for_within_its_reach():
     assert len(tracker._costs(luma, guess, side, room=1000.0)[0]) < 2000
     shift, _ = tracker.locate(luma, guess, velocity, room=1000.0)
     np.testing.assert_allclose(shift, [5.0, 7.0], atol=0.01)
+
+
+@pytest.mark.parametrize(
+    "motion, repeated, is_old",
+    [
+        ("moves", [18, 19], True),
+        ("held", [18, 19], False),  # until the next frame
+        ("caught", [21, 22], False),  # in the frame before
+        ("turns", [20], False),
+    ],
+)
+def test_a_picture_that_repeats_another_is_old_only_where_the_ball_should_have_moved(
+    motion, repeated, is_old
+):
+    times = np.arange(40) / 30.0
+    angles = {
+        "moves": 2.0 * times,
+        "held": 13.0 * np.maximum(times - times[19], 0.0) ** 2,
+        "caught": 2.0 * np.minimum(times, times[20]),
+        "turns": 0.5 * np.cos(7.0 * (times - times[20])),
+    }[motion].copy()
+    if is_old:  # the pictures show the ball where it was
+        angles[repeated] = angles[repeated[0] - 1]
+    repeats = np.isin(np.arange(40), repeated)
+    refiner = SimpleNamespace(
+        scene=SimpleNamespace(balls=1, arm=300.0, explained=1.0, look=SimpleNamespace(radius=20.0)),
+        out=SimpleNamespace(angles=angles[:, None], times=times),
+        explained=np.ones((40, 1)),
+    )
+    old = _Refiner._is_old(refiner, repeats, np.ones((40, 1), bool))
+    assert old[repeated, 0].tolist() == [is_old] * len(repeated)

@@ -229,10 +229,10 @@ def _statistics(times: np.ndarray[Any, Any], end: float) -> dict[str, Any]:
     # Wilson (1927) at one standard deviation: right also where all or none pass.
     spread = math.sqrt(share * (1.0 - share) / n + 0.25 / n**2) / (1.0 + 1.0 / n) if n else math.nan
     status = PASSED if k else NONE
-    if k and math.exp(-n * float(passed.min()) / mean.mean) < _UNLIKELY:
-        status, mean = DELAYED, _plain_mean(passed) if k == n else mean
     if k > 1 and k == n and np.ptp(passed) <= 0.01 * passed.mean():
         status, mean = AT_ONCE, Lifetime(math.nan, math.nan, math.nan, math.nan, k)
+    elif k and math.exp(-n * float(passed.min()) / mean.mean) < _UNLIKELY:
+        status, mean = DELAYED, _plain_mean(passed) if k == n else mean
     return {
         "mean_first_passage_time": mean.mean,
         "mean_first_passage_time_error": mean.error,

@@ -274,18 +274,29 @@ class _Refiner:
     def _is_old(self, repeats: np.ndarray, good: np.ndarray) -> np.ndarray:
         """Return which balls have not moved since the last fresh picture as they should have.
 
-        The fresh pictures around, in which they are `good`, say where they should be.
+        They should have if the motion before it, the next fresh picture and a curve through the
+        fresh ones, in which they are `good`, all say so: a ball that is held until then has not
+        moved by the first, one that is caught by the second, and one that turns by the last.
         """
         from scipy.interpolate import Akima1DInterpolator
 
         scene, angles, times = self.scene, self.out.angles, self.out.times
-        before = np.maximum.accumulate(np.where(repeats, 0, np.arange(len(repeats))))
-        led = np.zeros_like(angles)
+        frames, fresh = np.arange(len(repeats)), np.flatnonzero(~repeats)
+        number = np.searchsorted(fresh, frames, side="right")
+        before, earlier = (fresh[np.maximum(number - k, 0)] for k in (1, 2))
+        after = fresh[np.minimum(number, len(fresh) - 1)]
+        # How many frames' motion is to be expected, of the last one between fresh pictures.
+        share = (frames - before) / np.maximum(before - earlier, 1)
+        gone = [share[:, None] * np.abs(angles[before] - angles[earlier])]
+        is_last = (after <= frames)[:, None]
+        gone.append(np.where(is_last, gone[0], np.abs(angles[after] - angles[before])))
+        curved = np.zeros_like(angles)
         for b in range(scene.balls):
-            fresh = ~repeats & good[:, b]
-            if fresh.sum() > 2:
-                path = Akima1DInterpolator(times[fresh], angles[fresh, b], extrapolate=True)
-                led[:, b] = np.abs(path(times) - angles[before, b]) * scene.arm
+            known = ~repeats & good[:, b]
+            if known.sum() > 2:
+                path = Akima1DInterpolator(times[known], angles[known, b], extrapolate=True)
+                curved[:, b] = np.abs(path(times) - angles[before, b])
+        led = np.fmin.reduce([*gone, curved]) * scene.arm
         moved = np.abs(angles - angles[before]) * scene.arm
         with np.errstate(invalid="ignore"):
             is_old = (moved < 0.5 * led) | (self.explained < _WHOLE * scene.explained)
