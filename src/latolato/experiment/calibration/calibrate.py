@@ -313,9 +313,9 @@ def _moved(times: np.ndarray, values: np.ndarray, instants: np.ndarray) -> np.nd
     ok = np.isfinite(values).all(axis=1) & np.isfinite(times)
     if ok.sum() < 3:
         return out
-    curve = Akima1DInterpolator(times[ok], values[ok], axis=0, extrapolate=True)
+    curve = Akima1DInterpolator(times[ok], values[ok], axis=0)
     target = ok & np.isfinite(instants)
-    out[target] = curve(instants[target])
+    out[target] = curve(instants[target], extrapolate=True)
     return out
 
 

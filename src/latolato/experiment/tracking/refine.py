@@ -294,8 +294,8 @@ class _Refiner:
         for b in range(scene.balls):
             known = ~repeats & good[:, b]
             if known.sum() > 2:
-                path = Akima1DInterpolator(times[known], angles[known, b], extrapolate=True)
-                curved[:, b] = np.abs(path(times) - angles[before, b])
+                path = Akima1DInterpolator(times[known], angles[known, b])
+                curved[:, b] = np.abs(path(times, extrapolate=True) - angles[before, b])
         led = np.fmin.reduce([*gone, curved]) * scene.arm
         moved = np.abs(angles - angles[before]) * scene.arm
         with np.errstate(invalid="ignore"):
