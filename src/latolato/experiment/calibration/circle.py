@@ -9,6 +9,7 @@ import numpy as np
 
 from latolato.core.errors import Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
+from latolato.experiment.calibration.deviations import scatter_of
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 from latolato.experiment.rules import place_text, said
@@ -28,6 +29,8 @@ _ROUND, _ROUND_SHARE = 3.0, 0.02
 # Residual from which a pivot may move [pixels, arm], by how much that must lessen it, and how sure
 # its amplitude must be [standard deviations].
 _STILL, _STILL_SHARE, _BETTER, _SURE = 0.5, 0.002, 0.5, 5.0
+# By which factor the scatter that a moving pivot leaves may exceed that from frame to frame.
+_NOISY = 1.5
 # Frequencies of a pivot's motion that are tried [Hz], how finely over the clip, and most places.
 _SLOWEST, _FASTEST, _FINENESS, _MOST = 0.3, 12.0, 8, 800
 
@@ -162,7 +165,7 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
         return said("straight_path", pixels=f"{least:.0f}")
     for ball in range(places.shape[1]):
-        doubt = _pivot_motion(times, places[:, ball] - circle.centre, circle.arm)
+        doubt = _doubt_of_rest(times, places[:, ball] - circle.centre, circle)
         if doubt is not None:
             return doubt
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
@@ -170,11 +173,12 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
     return None
 
 
-def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> Sentence | None:
+def _doubt_of_rest(times: np.ndarray, away: np.ndarray, circle: Circle) -> Sentence | None:
     """Return how distances from a circle depend on time, None if its pivot rests.
 
     `away` (frame, 2) is where one ball is from the centre of its circle.
     """
+    arm = circle.arm
     ok = np.flatnonzero(np.isfinite(away).all(axis=1))
     if len(ok) < _FEWEST:
         return None
@@ -187,6 +191,7 @@ def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> Sentence |
     rest = off - plain @ np.linalg.lstsq(plain, off, rcond=None)[0]
     scatter = 1.4826 * float(np.median(np.abs(rest)))
     still = max(_STILL, _STILL_SHARE * arm)
+    noise = scatter_of(times, off)
     if scatter <= still:
         return None
     # Uneven steps, or frequencies beyond that of the steps would look like lower ones.
@@ -215,6 +220,6 @@ def _pivot_motion(times: np.ndarray, away: np.ndarray, arm: float) -> Sentence |
     after = 1.4826 * float(np.median(np.abs(off - waves @ solution)))
     if amplitude < _SURE * sigma or after > _BETTER * scatter:
         return None
-    if after > still:
-        return said("no_circle", pixels=f"{scatter:.1f}")
+    if after > np.fmax(still, _NOISY * noise):
+        return said("no_circle", pixels=f"{circle.residual:.1f}")
     return said("outside_pivot_moves", pixels=f"{amplitude:.1f}", rate=frequency)
