@@ -24,7 +24,7 @@ _CLEAR = 3.0
 _GAP = 4.5
 # Share of the size of sines below which they cancel.
 _CANCELS = 0.02
-# Share of the answer to a fast drive that even three frames in its period do not resolve.
+# Share of the response to a fast drive that even three frames in its period do not resolve.
 _UNRESOLVED = 0.1
 # What the equation may leave over, as a share of the accelerations.
 _LEFT_OVER = 0.02
@@ -90,7 +90,7 @@ def fit_swing(motion: Motion, axis: float | None = None) -> Swing | None:
     )
     if rows is None:
         return None
-    _, bend, push, turned, sine, cosine, speed, pull, answer = rows.T
+    _, bend, push, turned, sine, cosine, speed, pull, response = rows.T
 
     def rest(p: np.ndarray) -> np.ndarray:
         c, s = math.cos(p[0]), math.sin(p[0])
@@ -115,7 +115,7 @@ def fit_swing(motion: Motion, axis: float | None = None) -> Swing | None:
     squares = float(np.sum(weights * rest(known) ** 2))
     # Windows overlap: of four, one counts.
     spread = np.linalg.pinv(fit.jac.T @ fit.jac) * squares / max(_APART * len(rows) - 3.0, 1.0)
-    shift = np.linalg.pinv(fit.jac) @ (np.sqrt(weights) * answer)
+    shift = np.linalg.pinv(fit.jac) @ (np.sqrt(weights) * response)
     sigmas = np.hypot(np.sqrt(np.diag(spread)), _UNRESOLVED * shift)
     is_explained = squares < float(np.sum(weights * (_LEFT_OVER * stiffness * pull) ** 2))
     if not (is_explained and stiffness > sigmas[1]):
@@ -132,7 +132,7 @@ def windows(motion: Motion, width: float) -> np.ndarray:
 
     They are the time of its middle, the angular acceleration, what a moving pivot adds to it, and
     would add if it moved a quarter turn to the left of that, sine and cosine of the angle, the
-    speed, the size of the sine, and which part of what the pivot adds is the ball's answer to a
+    speed, the size of the sine, and which part of what the pivot adds is the ball's response to a
     fast drive. Half a window is as long as the phase of the fastest swing needs to grow by a
     `width`.
     """
@@ -140,13 +140,13 @@ def windows(motion: Motion, width: float) -> np.ndarray:
     steps = np.diff(times)
     sine, cosine = np.sin(angles), np.cos(angles)
     # A difference of slopes is what a hat of two steps averages, and the terms are averaged alike.
-    forces = _accelerations(times, motion.pivots)
-    push, answer = _pushes(steps, motion.pivots, forces, (cosine, sine))
-    turned, _ = _pushes(steps, motion.pivots, forces, (sine, -cosine))
+    accelerations = _accelerations(times, motion.pivots)
+    push, response = _pushes(steps, motion.pivots, accelerations, (cosine, sine))
+    turned, _ = _pushes(steps, motion.pivots, accelerations, (sine, -cosine))
     speed = 0.5 * (angles[2:] - angles[:-2])
     sine, cosine, size = (_under_hats(steps, each) for each in (sine, cosine, np.abs(sine)))
     bend = _bends(steps, angles)
-    terms = np.stack([bend, push, turned, sine, cosine, speed, size, answer], axis=-1)
+    terms = np.stack([bend, push, turned, sine, cosine, speed, size, response], axis=-1)
     is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
     known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
     free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
@@ -167,20 +167,22 @@ def _bends(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _pushes(
-    steps: np.ndarray, pivots: np.ndarray, forces: np.ndarray, shares: tuple[np.ndarray, np.ndarray]
+    steps: np.ndarray, pivots: np.ndarray, bends: np.ndarray, cosines: tuple[np.ndarray, np.ndarray]
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Return what shares (frame, ball) of a pivot's acceleration are under hats, and a part of it.
+    """Return what the pivot's acceleration adds under each hat, and the ball's response in it.
 
-    The shares are those of its motion to the right and up. The difference of its slopes, times the
-    middle's share, lacks how the ball's answer to a fast drive goes with the force, which is that
-    part; but what is wrong with the places of both cancels in it.
+    `bends` (frame, 2) are the accelerations to the right and up, `cosines` (frame, ball) how much
+    of them counts. The difference of the pivot's slopes times the middle's cosine is right for slow
+    drives, and errors of both places cancel in it. It leaves out that within a hat the cosine
+    varies with the acceleration: that is the response.
     """
-    pushes = answers = np.zeros((len(steps) - 1, shares[0].shape[1]))
-    for axis, share in enumerate(shares):
-        place, force, middle = pivots[:, axis, None], forces[:, axis, None], share[1:-1]
-        answers = answers + _under_hats(steps, force * share) - _under_hats(steps, force) * middle
+    pushes = responses = np.zeros((len(steps) - 1, cosines[0].shape[1]))
+    for axis, cosine in enumerate(cosines):
+        place, bend, middle = pivots[:, axis, None], bends[:, axis, None], cosine[1:-1]
         pushes = pushes + _bends(steps, place) * middle
-    return pushes + answers, answers
+        responses = responses + _under_hats(steps, bend * cosine)
+        responses = responses - _under_hats(steps, bend) * middle
+    return pushes + responses, responses
 
 
 def _under_hats(steps: np.ndarray, values: np.ndarray) -> np.ndarray:
