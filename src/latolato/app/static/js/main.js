@@ -33,7 +33,7 @@ const NOT_STORED = "#not-stored";
 // A view that the server did not give is asked for again after this time.
 const RETRY = 1000; // ms
 const FOCUSABLE = "a[href], button, input, select, textarea, summary, [tabindex='0']";
-// The focus is looked for as often.
+// How often the focus is checked.
 const SOON = 100; // ms
 
 /** Show the theme that was chosen and tell those that draw. */
@@ -191,7 +191,7 @@ function startStories(page) {
 
 /**
  * Keep a place for the keyboard: where the element that has the focus goes or is disabled, the next one
- * in the smallest part of the page that is left takes it, else the one before.
+ * in the smallest part of the page that is left takes it, else the last one; of an element that is gone, the first.
  */
 function keepFocus() {
   /** What had the focus, and all that it was in. @type {Element[]} */
@@ -204,7 +204,8 @@ function keepFocus() {
   document.addEventListener("pointerdown", () => { chain = []; }, true);
   setInterval(() => {
     const [held, ...around] = chain;
-    if (!held || document.activeElement !== document.body || isUsable(held)) return;
+    // Some browsers leave the focus on what was disabled.
+    if (!held || ![held, document.body].includes(document.activeElement ?? held) || isUsable(held)) return;
     for (const part of around.filter(isUsable)) {
       const all = [...part.querySelectorAll(FOCUSABLE)].filter(isUsable);
       const next = all.find((each) =>
