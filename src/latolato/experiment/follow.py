@@ -313,7 +313,7 @@ def _believed(
     if isinstance(task.video.steadier, Steadier):
         unknown = np.isnan(task.video.steadier.deviations(len(seen.times)))
         seen.give_up(np.broadcast_to(unknown[:, None], seen.flags.shape))
-    # Repeated pictures are not measured, so they do not count.
+    # A repeated picture need not be measured, so it does not count.
     share = float(seen.is_measured[~sample.repeats].mean())
     factor = task.setup.slow_motion
     pace = said("wrong_pace", factor=factor)
@@ -332,7 +332,7 @@ def _believed(
         task.warnings.append(joined([finding.fault.rule, finding.fault.way_out or ""], "; "))
         if finding.doubtful is not None:
             seen.give_up(finding.doubtful)
-    share = float(seen.is_measured.mean())
+    share = float(seen.is_measured[~sample.repeats].mean())
     if factor != 1.0 and share < _OFTEN:
         percent = f"{100.0 * share:.0f}"
         task.warnings.append(said("hard_to_follow", percent=percent, advice=pace))

@@ -859,7 +859,7 @@ RULES = {
     "part_of_larger": Rule(
         "the disc of {radius} pixels radius that was followed is a part of something larger that "
         "moves with it",
-        "give the ball's radius and length, and look at the overlay",
+        "give the ball's radius and length",
     ),
     "not_where_pointed": Rule(
         "the ball is not seen where it was taken to be, at {time:.4g} s: the nearest frame that "

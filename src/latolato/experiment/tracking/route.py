@@ -227,10 +227,8 @@ def find_route(
         if frame != number:
             left[frame] = empty
     tracks: list[Trajectory] = []
-    is_rod = False
     for click, pivot in zip(clicks, pivots, strict=True):
         track, others = link_clicked(left, copies, click, number, radius, pivot)
-        is_rod |= track.is_rod
         if not 0 <= number < len(left) or _is_by_itself(
             left[number], click, copies, number, radius
         ):
@@ -242,6 +240,7 @@ def find_route(
             track, others = link_clicked(own, copies, click, number, radius, pivot)
             left = others if len(clicks) == 1 else left
         tracks.append(track)
+    is_rod = any(track.is_rod for track in tracks)
     detected_radius = float(np.median([track.radius for track in tracks]))
     size = radius or detected_radius
     places = np.stack([track.places for track in tracks], axis=1)
