@@ -35,6 +35,26 @@ def test_a_steady_drive_is_found_within_its_sigma():
     assert 0.47 < np.mean(np.abs(misses) < 1.0) < 0.89
 
 
+def test_the_deviation_of_an_amplitude_includes_that_of_the_scale():
+    table = drive_table(STEADY, duration=12.0)
+    plain = fit_drive(table)
+    table.attrs |= {"metres_per_pixel": 1e-3, "metres_per_pixel_sigma": 5e-6}
+    fit = fit_drive(table)
+    amplitude, own = fit["drive_amplitude"], plain["drive_amplitude"].sigma
+    assert amplitude.value == plain["drive_amplitude"].value
+    assert amplitude.sigma == pytest.approx(np.hypot(own, 5e-3 * amplitude.value))
+    widths = [(each.high - each.low) / each.sigma for each in (amplitude, plain["drive_amplitude"])]
+    assert widths[0] == pytest.approx(widths[1])
+    assert fit["drive_frequency"] == plain["drive_frequency"]
+    assert "includes that of the scale (0.5 %)" in fit.verdict
+    # Beside a length the scale does not count: an error of it makes both larger.
+    system = ll.Pendulum(length=0.2, mass=0.05)
+    swinging = table.assign(angle_1=("frame", 0.3 * np.cos(7.0 * table["time"].values)))
+    first, last = (float(swinging["time"].values[place]) for place in (0, -1))
+    sigmas = pivot_for(None, swinging, system.length, first, last).deviations
+    assert sigmas["drive_amplitude"] < 0.2 * amplitude.sigma
+
+
 ELLIPSE = ll.PlanarHarmonic(
     vertical_amplitude=0.03, horizontal_amplitude=0.005, drive_frequency=10.09,
     vertical_phase=1.0, horizontal_phase=2.2,

@@ -203,9 +203,9 @@ RULES = {
         "The uncertainty of the amplitude does not include that of the scale, which all heights "
         "share."
     ),
-    "scale_share_apart": Rule(
-        "The uncertainty of the amplitude does not include that of the scale ({percent:.1g} %), "
-        "which all heights share."
+    "scale_included": Rule(
+        "The uncertainty of the amplitude includes that of the scale ({percent:.1g} %), which all "
+        "heights share."
     ),
     "drive_same_look": Rule(
         "At {rate:.4g} evenly spaced frames a second, a pivot at {one:.4g}, {other:.4g} or "

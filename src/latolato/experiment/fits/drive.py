@@ -121,10 +121,11 @@ def fit_drive(
         the table, which is time zero of ``drive``), `crank_ratio` and, for one stage,
         `amplitude_drift` and `frequency_drift`. With steps `drive_frequency` is the first stage's,
         `drive_frequency_final` the last one's and `step_time` the last step; ``dataset`` has all of
-        them on ``stage``. Where `pivot_x` is
-        known and not one value, `horizontal_amplitude` [m] and `horizontal_phase` too. ``drive``
-        is a `Harmonic`, a `PlanarHarmonic` where a horizontal motion is seen, a `CrankSlider` where
-        the second harmonic is that of a crank, or a `FrequencySchedule`.
+        them on ``stage``. Where `pivot_x` is known and not one value, `horizontal_amplitude` [m]
+        and `horizontal_phase` too. The deviations of amplitudes include that of the table's scale
+        where it is known (``metres_per_pixel_sigma``). ``drive`` is a `Harmonic`, a
+        `PlanarHarmonic` where a horizontal motion is seen, a `CrankSlider` where the second
+        harmonic is that of a crank, or a `FrequencySchedule`.
 
     Raises
     ------
@@ -170,11 +171,14 @@ def fit_drive(
     _check_cycles(solution, float(np.ptp(data.times)))
     adequacy = _doubt(data, shape, solution, origin, least)
     estimates = _estimates(solution, shape, origin) | drift
+    scale_share = _scale_share(table)
+    estimates = {name: with_scale(each, scale_share) for name, each in estimates.items()}
     overtones, overtone_sigma = _overtones(data, shape, solution, least)
     drive, overtone_words = _drive(solution, shape, overtones[0], overtone_sigma)
     words = [*_main_words(estimates, solution, shape, origin), *overtone_words]
     across = across_of(table, data.times, origin, shape, solution, least)
     if across is not None:
+        across = replace(across, amplitude=with_scale(across.amplitude, scale_share))
         drive, more = with_across(drive, across)
         words.append(more)
         estimates |= {
@@ -186,7 +190,11 @@ def fit_drive(
         words.append(said(f"unsteady_{which}", span=float(np.ptp(data.times)), **changes))
     elif drift:
         words.append(said("steady_drive"))
-    words.append(_scale_words(table))
+    words.append(
+        said("scale_included", percent=100.0 * scale_share)
+        if scale_share > 0.0
+        else said("scale_apart")
+    )
     if even is not None:
         words.append(_alias_words(solution.values["drive_frequency"] / math.tau, even))
     curves = {
@@ -213,7 +221,8 @@ def fit_drive(
         curves["pivot_across_fit"] = ("sample", across.curve)
     about = {
         "start": origin + float(data.times[0]), "end": origin + float(data.times[-1]),
-        "origin": origin, "samples": len(data), "stages": shape.stages, **solution.quality,
+        "origin": origin, "samples": len(data), "stages": shape.stages,
+        "scale_share": scale_share, **solution.quality,
         "source": table.attrs.get("source"),
     }  # fmt: skip
     return make_fit("drive", estimates, joined(words), curves, about, drive, adequacy=adequacy)
@@ -282,11 +291,25 @@ def _fastest(time: Floats) -> float:
     return _FASTEST * math.pi / float(np.median(np.diff(time)))
 
 
-def _scale_words(table: xr.Dataset) -> Sentence:
-    """Return a sentence on the scale, and how uncertain it is, if that is known."""
+def _scale_share(table: xr.Dataset) -> float:
+    """Return the relative standard deviation of a table's scale, 0 where it is not known."""
     sigma = float(table.attrs.get("metres_per_pixel_sigma", 0.0))
-    share = 100.0 * sigma / float(table.attrs.get("metres_per_pixel", 1.0))
-    return said("scale_share_apart", percent=share) if share else said("scale_apart")
+    return sigma / float(table.attrs.get("metres_per_pixel", 1.0))
+
+
+def with_scale(estimate: Estimate, share: float) -> Estimate:
+    """Return an estimate whose deviation holds that of the scale, if it is a length.
+
+    All samples share the scale's error, so their scatter does not show it.
+    """
+    if estimate.unit != "m" or not share > 0.0:
+        return estimate
+    return estimate.widened(math.hypot(estimate.sigma, share * estimate.value))
+
+
+def without_scale(estimate: Estimate, share: float) -> float:
+    """Return the standard deviation of a length of `fit_drive` as a multiple of the scale [m]."""
+    return math.sqrt(max(estimate.sigma**2 - (share * estimate.value) ** 2, 0.0))
 
 
 def _without_height(piece: xr.Dataset, reach: float, noise: float) -> InputError:

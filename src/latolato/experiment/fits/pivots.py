@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.experiment.fits.drive import fit_drive
+from latolato.experiment.fits.drive import fit_drive, without_scale
 from latolato.experiment.fits.drive_motion import vertical_part
 from latolato.experiment.fits.least_squares import Data
 from latolato.experiment.fits.samples import angles_of, is_driven, noise_of, of_own_pivot
@@ -145,14 +145,19 @@ def _is_good(fit: Fit, swings: bool) -> bool:
 
 
 def _deviations(fit: Fit, drive: Drive, scale: float) -> dict[str, float]:
-    """Return the standard deviations of a fitted drive's parameters, with that of the scale."""
+    """Return the standard deviations of a fitted drive's parameters.
+
+    `scale` is the relative error that the amplitudes share beside a given length: that of the
+    table's scale is left out, as it is that of the length in pixels.
+    """
     sigmas: dict[str, float] = {}
     for name in _PARAMETERS:
         estimate = _OF_HEIGHT.get(name, name)
         if estimate in fit and hasattr(drive, name):
             sigmas[name] = fit[estimate].sigma
             if name.endswith("_amplitude"):
-                sigmas[name] = float(np.hypot(sigmas[name], scale * fit[estimate].value))
+                own = without_scale(fit[estimate], fit.dataset.attrs["scale_share"])
+                sigmas[name] = math.hypot(own, scale * fit[estimate].value)
     return sigmas
 
 
