@@ -167,6 +167,7 @@ FILMS: dict[str, Limits] = {
     "knocked": Limits(0.52, ratio=(0.331, 2.0), former=1.017),
     "askew": Limits(0.51, ratio=(0.05, 2.0), former=2.703),
     "swaying": Limits(0.26, ratio=(0.2, 2.0)),
+    "colours two": Limits(0.95, ok=0.97),
     "tilted two": Limits(0.74, ok=0.97, ratio=(0.2, 2.0), former=1.199),
 }  # fmt: skip
 

@@ -244,6 +244,18 @@ def test_a_pivot_that_moves_to_the_side_is_followed_or_warned_of(block, error, t
     assert is_warned == (block < 1.0)
 
 
+@pytest.mark.parametrize("turns", [1, -1], ids=["right first", "left first"])
+def test_balls_of_different_colours_are_both_measured(turns, tmp_path):
+    film = dataclasses.replace(films.films["colours two"], seconds=1.5)
+    path, truth = films.shoot(film, tmp_path / "film")
+    pivot, balls = np.rint(truth.pivots[0]), np.rint(truth.places[:, 0])
+    table = track(path, pivot=pivot, balls=balls[::turns], length=truth.length)
+    for ball, true in enumerate(truth.angles, start=1):
+        ok = table[f"flag_{ball}"].values == "ok"
+        assert ok.mean() > 0.9
+        assert np.sqrt(np.mean((table[f"angle_{ball}"].values - true)[ok] ** 2)) < 1.2e-3
+
+
 @pytest.mark.parametrize(
     "swing, aside, up, wall",
     [(0.03, 0.006, 0.0, "texture"), (0.06, 0.0015, 0.0, "texture"), (0.06, 0.003, 0.01, "plain")],

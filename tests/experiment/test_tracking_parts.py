@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
 from types import SimpleNamespace
 
@@ -44,8 +45,8 @@ SHAPES = ((150, 202), (75, 101), (75, 101))
 
 def _drawn(radius, blur, paint):
     """Return how a ball of some colours is drawn."""
-    paint = np.dstack([paint, np.ones(paint.shape[:2])]).astype(np.float32)
-    none = np.zeros((1, 1, 4), np.float32)
+    paint = np.dstack([paint, np.ones(paint.shape[:2])])[None].astype(np.float32)
+    none = np.zeros((1, 1, 1, 4), np.float32)
     return kernels.Ball(radius, blur, paint, none, none[..., 0], False)
 
 
@@ -55,7 +56,7 @@ def _disc(centre, radius=10.0, blur=0.8, size=41, colour=(1.0, 0.5, 0.2)):
     paint = np.ones((31, 31, 3)) * np.array(colour)
     path = np.atleast_2d(np.asarray(centre, float))
     ball = _drawn(radius, blur, paint)
-    kernels.cover(path, np.zeros(len(path)), ball, np.zeros(2), layer)
+    kernels.cover(path, np.zeros(len(path)), ball, 0, np.zeros(2), layer)
     return layer
 
 
@@ -88,8 +89,8 @@ def test_few_places_along_an_arc_draw_what_many_do(length):
     pivot = np.array([0.0, -75.0])
     exact, drawn = np.zeros((2, 120, 140, 4), np.float32)
     ball = _drawn(radius, blur, paint)
-    kernels.cover(path(400), np.zeros(400), ball, np.zeros(2), exact)
-    fitting.draw(path(samples_for(length)), np.zeros(2), pivot, ball, np.zeros(2), drawn)
+    kernels.cover(path(400), np.zeros(400), ball, 0, np.zeros(2), exact)
+    fitting.draw(path(samples_for(length)), np.zeros(2), pivot, ball, 0, np.zeros(2), drawn)
     assert drawn[..., 3].sum() == pytest.approx(exact[..., 3].sum(), rel=1e-4)
     assert np.abs(drawn - exact)[..., 3].max() < 0.05
     columns = np.arange(140)
@@ -130,7 +131,7 @@ def test_a_ball_of_two_colours_is_a_whole_disc(guess):
     assert radius == pytest.approx(20.0, rel=0.06)
 
 
-def _shots(radius, blur, smear=0.0, metal=False):
+def _shots(radius, blur, smear=0.0, metal=False, colour=(0.5, 0.12, 0.1), look=0):
     """Return cut-outs of a shaded ball on texture, along paths, with their shadows."""
     random = np.random.default_rng(3)
     shots, j, i = [], *np.mgrid[:91, :91]
@@ -139,20 +140,20 @@ def _shots(radius, blur, smear=0.0, metal=False):
     light = 0.35 + 0.65 * np.clip(0.7 - 0.4 * u - 0.5 * v, 0.0, 1.0)
     if metal:
         light = np.where(v < 0.1, 0.9, 0.35)
-    paint = light[..., None] * np.array([0.5, 0.12, 0.1])
+    paint = light[..., None] * np.array(colour)
     for _ in range(6):
         centre = 45.0 + random.uniform(-0.5, 0.5, 2)
         path = centre + np.stack([np.linspace(-0.5, 0.5, 9) * smear, np.zeros(9)], axis=-1)
         layer = np.zeros((91, 91, 4), np.float32)
         ball = _drawn(radius, blur, paint)
-        kernels.cover(path, np.zeros(9), ball, np.zeros(2), layer)
+        kernels.cover(path, np.zeros(9), ball, 0, np.zeros(2), layer)
         waves = np.sin(0.3 * i + random.uniform(0, 6)) * np.sin(0.2 * j + random.uniform(0, 6))
         wall = (0.4 + 0.08 * waves)[..., None] * np.array([1.0, 0.9, 0.8])
         dark = 0.3 / (1.0 + np.exp((np.hypot(i - centre[0] - 9, j - centre[1] - 9) - radius) / 3))
         image = wall * (1.0 - dark - layer[..., 3])[..., None] + layer[..., :3]
         image += wall * (dark * layer[..., 3])[..., None]
         image += random.normal(0.0, 0.004, image.shape)
-        shots.append(Shot(image, wall, path, np.array([45.0, -200.0]), 0.0, np.empty((0, 2))))
+        shots.append(Shot(image, wall, path, np.array([45.0, -200.0]), 0.0, np.empty((0, 2)), look))
     return shots
 
 
@@ -166,12 +167,27 @@ def test_the_radius_does_not_depend_on_where_it_begins(start, smear, metal):
     assert abs(edge.radius - 22.0) < 3.0 * edge.sigma
 
 
+def test_balls_of_different_colours_have_one_edge():
+    light = (0.9, 0.85, 0.8)
+    each = [_shots(22.0, 0.9), _shots(22.0, 0.9, colour=light, look=1)]
+    edge = measured_edge([*each[0], *each[1]], 0.9 * 22.0, 0.6, is_far=True)
+    assert edge.radius == pytest.approx(22.0, rel=0.01)
+    assert edge.blur == pytest.approx(0.9, rel=0.35)
+    # Taken for one look, their sectors have colours between the two, which no edge explains.
+    alike = [*each[0], *_shots(22.0, 0.9, colour=light)]
+    off = [abs(each.radius - 22.0) for each in (measured_edge(alike, 22.0, 0.9, False), edge)]
+    assert off[0] > 3.0 * off[1]
+
+
 def test_a_ball_whose_rim_is_out_of_the_picture_has_no_edge_to_measure():
     shots = _shots(22.0, 0.9)
     for shot in shots:
         shot.wall[np.hypot(*(np.indices((91, 91)) - 45)) > 10.0] = np.nan
     with pytest.raises(ll.InputError, match="outside the picture"):
         measured_edge(shots, 22.0, 0.9, is_far=False)
+    beside = [dataclasses.replace(s, others=s.path[:1]) for s in _shots(22.0, 0.9)]
+    with pytest.raises(ll.InputError, match="beside the other ball"):
+        measured_edge(beside, 22.0, 0.9, is_far=False)
 
 
 def _trajectory(places):
@@ -253,7 +269,7 @@ def test_colours_that_vary_do_not_draw_a_disc_aside(is_spinning):
     turn = math.atan2(*(true - pivot)) if is_spinning else 0.0
     behind = np.full((41, 41, 3), 0.3, np.float32)
     layer = np.zeros((1, 41, 41, 4), np.float32)
-    kernels.cover(true[None], np.array([turn]), ball, np.zeros(2), layer[0])
+    kernels.cover(true[None], np.array([turn]), ball, 0, np.zeros(2), layer[0])
     image = behind * (1.0 - layer[0, ..., 3:]) + layer[0, ..., :3]
     # A stripe that was not there before, on the side of the rod.
     j, i = np.indices((41, 41))
@@ -265,7 +281,7 @@ def test_colours_that_vary_do_not_draw_a_disc_aside(is_spinning):
     steps = []
     for variance in (known, np.zeros((1, 1), np.float32)):
         _, matrix, vector, _ = kernels.normal_equations(
-            patch, layer, true[None], pivot, ball._replace(variance=variance), 30.0
+            patch, layer, true[None], pivot, ball._replace(variance=variance[None]), 30.0
         )
         steps.append(float(np.hypot(*np.linalg.solve(matrix, vector))))
     assert steps[0] < 1e-4
@@ -291,12 +307,14 @@ def test_a_pattern_turns_with_the_rod_and_shading_stays():
         frames.append(Frame(k, 0.03 * k, luma, chroma, chroma))
         sightings.append(Sighting(k, centre, pivot, angle, 0.0, 1.0, np.zeros(2)))
     paint, behind = np.zeros((35, 35, 3)), np.zeros((61, 61, 3), np.float32)
-    look = Appearance(colours, 14.0, 0.8, paint, behind, np.zeros(2, int), np.eye(3), 4.0)
+    look = Appearance(colours, 14.0, 0.8, paint[None], behind, np.zeros(2, int), np.eye(3), 4.0)
     left = {}
     for learn in (_learn_staying, _learn_turning):
         learn(look, frames, sightings, 42.0)
         look.whitened()
-        layer = look.ball(centre[None], centre - np.array([15.0, 50.0]), np.zeros(2, int), (61, 61))
+        layer = look.ball(
+            0, centre[None], centre - np.array([15.0, 50.0]), np.zeros(2, int), (61, 61)
+        )
         # An angle of which no frame was seen.
         inside = np.hypot(*(np.indices((61, 61)) - 30)) < 9.0
         left[learn] = np.abs(layer[..., 0] - _lit(math.atan2(15.0, 50.0)))[inside].max()
@@ -312,20 +330,20 @@ def test_colours_of_smeared_balls_are_learned_without_the_wall():
     paint = np.repeat((0.2 + 0.006 * i + 0.004 * j)[..., None], 3, axis=-1)
     behind, chroma = np.full((side, side, 3), 0.8, np.float32), np.full((71, 71), 128, np.uint8)
     look = Appearance(
-        colours, 14.0, 0.8, paint, behind, np.zeros(2, int), np.eye(3), 4.0, exposure=0.9
+        colours, 14.0, 0.8, paint[None], behind, np.zeros(2, int), np.eye(3), 4.0, exposure=0.9
     )
     frames, sightings = [], []
     for k, angle in enumerate(np.linspace(-0.7, 0.7, 15)):
         centre = pivot + arm * np.array([math.sin(angle), math.cos(angle)])
         # Smears of 13 pixels.
         one = Sighting(k, centre, pivot, angle, 0.24, 1.0, np.zeros(2))
-        layer = look.ball(one.path(arm, 0.9), pivot, np.zeros(2, int), (side, side))
+        layer = look.ball(0, one.path(arm, 0.9), pivot, np.zeros(2, int), (side, side))
         light = layer[..., 0] + (1.0 - layer[..., 3]) * 0.8
         luma = np.rint(16.0 + 219.0 * (1.055 * light ** (1.0 / 2.4) - 0.055)).astype(np.uint8)
         frames.append(Frame(k, 0.03 * k, luma, chroma, chroma))
         sightings.append(one)
     _learn_staying(look, frames, sightings, arm)
-    assert np.abs(look.paint - paint)[np.hypot(i, j) < 12.0].max() < 0.03
+    assert np.abs(look.paint[0] - paint)[np.hypot(i, j) < 12.0].max() < 0.03
 
 
 def test_colours_that_are_turned_back_and_forth_are_the_same():

@@ -75,6 +75,8 @@ class Film:
         The mean pivot's column and row.
     exposure : float
         Share of the time between frames.
+    other_colour : tuple or None
+        Of the second ball; None for that of the first.
     is_flat : bool
         Whether balls are discs of one colour, as if drawn, not spheres with light and shade.
     spin : float
@@ -114,6 +116,7 @@ class Film:
     radius: float
     centre: tuple[float, float]
     colour: tuple[float, float, float] = ORANGE
+    other_colour: tuple[float, float, float] | None = None
     is_flat: bool = False
     spin: float = 0.0
     wall: tuple[float, float, float] = (0.42, 0.40, 0.36)
@@ -263,8 +266,8 @@ def _paint(
         Its shift and its softness.
     surface : int
         `FLAT`, `SHADED` or `PATTERNED`.
-    colours : ndarray, shape (3, 3)
-        Of ball, block and hand.
+    colours : ndarray, shape (4, 3)
+        Of the first ball, block, hand and the second ball.
     """
     count, rays = balls.shape[:2]
     along = np.zeros(2)
@@ -289,8 +292,9 @@ def _paint(
                         along[0] = balls[ball, ray, 0] - pivot[0]
                         along[1] = balls[ball, ray, 1] - pivot[1]
                         along /= max(math.sqrt(along[0] ** 2 + along[1] ** 2), 1e-9)
+                        colour = colours[3 * ball]
                         r, g, b = _ball_colour(
-                            x, y, radius, along, spins[ray], surface, colours[0], light
+                            x, y, radius, along, spins[ray], surface, colour, light
                         )
                         total_r, total_g, total_b = total_r + r, total_g + g, total_b + b
                         is_seen = True
@@ -388,7 +392,8 @@ def _layers(
         frame, wall, mask, offsets, pivots, balls, hands,
         np.zeros(len(offsets)) if times is None else film.spin * times, film.radius,
         film.rod_width if is_hung else 0.0, 0.5 * film.pivot_size if is_hung else 0.0,
-        film.shadow, np.array([film.colour, film.pivot_colour, SKIN]),
+        film.shadow,
+        np.array([film.colour, film.pivot_colour, SKIN, film.other_colour or film.colour]),
         FLAT if film.is_flat else PATTERNED if film.spin else SHADED, LIGHT,
     )  # fmt: skip
 
@@ -541,5 +546,6 @@ films: dict[str, Film] = {
     "knocked": _one(knock=(1.5, 5, -3), mottle=0.12, shadow=_CAST),
     "askew": _one(slant=0.6, mottle=0.06, codec="libvpx-vp9"),
     "swaying": _one(drive=_sideways(0.02), starts=[{"initial_angle": 0.3}], mottle=0.05),
+    "colours two": _two(arm=210.0, other_colour=BLUE, mottle=0.06, shadow=_CAST),
     "tilted two": _two(arm=210.0, roll=0.1, mottle=0.08, shadow=_CAST, codec="libvpx-vp9"),
 }  # fmt: skip

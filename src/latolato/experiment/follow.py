@@ -83,12 +83,24 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
     else:
         if setup.pivot is not None:
             route = route.ordered(np.array(setup.pivot))
+            task = replace(task, setup=_as_ordered(setup, route, sample.click))
         found = _found(task, sample, route, part_of(progress, READ, 1.0))
         if math.isfinite(route.meets):  # a ball that looks the same, and nobody pointed at
             raise broken("second_ball", {"time": route.meets})
     if isinstance(found, PathOnly):
         return replace(found, seen=_believed(task, sample, route, found.seen))
     return found if isinstance(found, list) else [found]
+
+
+def _as_ordered(setup: Setup, route: Route, clicked: int) -> Setup:
+    """Return a set-up whose balls are in the order of a route, which has a clicked frame."""
+    places = route.places[clicked] if 0 <= clicked < len(route.times) else np.empty((0, 2))
+    if len(setup.balls) < 2 or not np.isfinite(places).all() or not len(places):
+        return setup
+    as_they_are, turned = (
+        sum(map(math.dist, places, balls)) for balls in (setup.balls, setup.balls[::-1])
+    )
+    return setup if as_they_are <= turned else replace(setup, balls=setup.balls[::-1])
 
 
 def _has_own_arms(setup: Setup, video: Video) -> bool:

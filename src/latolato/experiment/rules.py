@@ -500,9 +500,9 @@ RULES = {
         "point at the middle of the ball, and check radius and length if you gave them",
     ),
     "hidden_rim": Rule(
-        "the rim of what is followed lies outside the picture in all frames from which it is "
-        "learned",
-        "point at a ball that the picture shows as a whole",
+        "the rim of what is followed lies outside the picture or beside the other ball in all "
+        "frames from which it is learned",
+        "point at the middle of a ball that the picture shows as a whole",
     ),
     "plain_patch": Rule(
         "the patch around the click looks like its surroundings",

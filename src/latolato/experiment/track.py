@@ -161,8 +161,9 @@ def track(
     -----
     What moves is linked through the whole clip first; then pivot and balls are layers fitted to
     each frame in linear light, from there. Balls cannot pass each other. The track must pass the
-    checks of `latolato.experiment.tracking.gate`. It can miss two balls of different sizes or
-    colours, a perspective that the circle does not show, and what each of the checks can miss.
+    checks of `latolato.experiment.tracking.gate`. It can miss two balls of different sizes, two
+    bobs that are no discs and look different, a perspective that the circle does not show, and
+    what each of the checks can miss.
     """
     path = checked_path("path", path)
     settings = {

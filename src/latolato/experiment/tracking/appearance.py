@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -63,8 +63,8 @@ class Appearance:
     ----------
     radius, blur : float
         Radius of the balls, or half the width of other bobs, and softness of the edge [pixels].
-    paint : numpy.ndarray, shape (row, column, 3)
-        Linear colour of a ball about its centre.
+    paint : numpy.ndarray, shape (ball, row, column, 3)
+        Linear colour of each ball about its centre; one for all that look alike.
     behind : numpy.ndarray, shape (row, column, 3)
         Whitened colour of the background from `corner` on, NaN where it was never seen; it is
         made of the linear one that is given.
@@ -78,9 +78,9 @@ class Appearance:
         Standard deviation of the radius [pixels].
     is_spinning : bool
         Whether the paint turns with the rod, as a pattern does, or stays, as shading does.
-    shading : numpy.ndarray, shape (row, column, 3), or None
+    shading : numpy.ndarray, shape (ball, row, column, 3), or None
         Linear colour that is added to a paint that turns, and stays.
-    variance : numpy.ndarray, shape (row, column)
+    variance : numpy.ndarray, shape (ball, row, column)
         By how much more than the background's the whitened colours vary about the paint, each.
     body : numpy.ndarray of bool, shape (row, column), or None
         Which part of the paint is the bob, if it is no disc.
@@ -100,7 +100,7 @@ class Appearance:
     radius_sigma: float = 0.0
     is_spinning: bool = False
     shading: np.ndarray | None = None
-    variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1), np.float32))
+    variance: np.ndarray = field(default_factory=lambda: np.zeros((1, 1, 1), np.float32))
     body: np.ndarray | None = None
     whiten: np.ndarray = field(init=False)
     white_paint: np.ndarray = field(init=False)
@@ -118,11 +118,12 @@ class Appearance:
             for row in self.behind:  # in place: the picture may be large
                 row[:] = row @ change
             self.whiten = whiten
-        share = np.ones(self.paint.shape[:2]) if self.body is None else self.body
+        share = np.ones(self.paint.shape[1:3]) if self.body is None else self.body
         white = (self.paint @ self.whiten.T) * share[..., None]
-        self.white_paint = np.dstack([white, share]).astype(np.float32)
-        shading = np.zeros((1, 1, 3)) if self.shading is None else self.shading @ self.whiten.T
-        self.white_shading = np.pad(shading, ((0, 0), (0, 0), (0, 1))).astype(np.float32)
+        shares = np.broadcast_to(share[..., None], (*self.paint.shape[:3], 1))
+        self.white_paint = np.concatenate([white, shares], axis=-1).astype(np.float32)
+        shading = np.zeros((1, 1, 1, 3)) if self.shading is None else self.shading @ self.whiten.T
+        self.white_shading = np.pad(shading, ((0, 0),) * 3 + ((0, 1),)).astype(np.float32)
 
     @property
     def reach(self) -> float:
@@ -134,21 +135,33 @@ class Appearance:
         """Which part of the paint is surely the ball's, shape (row, column)."""
         if self.body is not None:
             return self.body
-        m = (self.paint.shape[0] - 1) // 2
-        return np.asarray(np.hypot(*(np.indices(self.paint.shape[:2]) - m)) < 0.8 * self.radius)
+        m = (self.paint.shape[1] - 1) // 2
+        return np.asarray(np.hypot(*(np.indices(self.paint.shape[1:3]) - m)) < 0.8 * self.radius)
 
-    @property
-    def drawn(self) -> Ball:
-        """How the kernels draw a ball, in whitened colours."""
-        paints = self.white_paint, self.white_shading
-        return Ball(self.reach, self.blur, *paints, self.variance, self.is_spinning)
+    def number(self, ball: int) -> int:
+        """Return which of the paints is that of a ball."""
+        return min(ball, len(self.paint) - 1)
+
+    def drawn(self, *balls: int) -> Ball:
+        """How the kernels draw some balls, in their order and in whitened colours."""
+        looks = self.white_paint, self.white_shading, self.variance
+        if len(self.paint) == 1:
+            return Ball(self.reach, self.blur, *looks, self.is_spinning)
+        own = slice(balls[0], balls[-1] + 1)
+        paint, shading, variance = (each[own] if len(each) > 1 else each for each in looks)
+        return Ball(self.reach, self.blur, paint, shading, variance, self.is_spinning)
 
     def ball(
-        self, path: np.ndarray, pivot: np.ndarray, corner: np.ndarray, shape: tuple[int, int]
+        self,
+        ball: int,
+        path: np.ndarray,
+        pivot: np.ndarray,
+        corner: np.ndarray,
+        shape: tuple[int, int],
     ) -> np.ndarray:
         """Return one ball's whitened layer in a window, averaged over the centres in `path`."""
         layer = np.zeros((*shape, 4), np.float32)
-        fitting.draw(path, np.zeros(2), pivot, self.drawn, corner.astype(float), layer)
+        fitting.draw(path, np.zeros(2), pivot, self.drawn(ball), 0, corner.astype(float), layer)
         return layer
 
     def patch(
@@ -207,7 +220,7 @@ class BallFit:
 def fit_balls(
     look: Appearance,
     planes: tuple[np.ndarray, ...],
-    paths: list[np.ndarray],
+    paths: Mapping[int, np.ndarray],
     pivot: np.ndarray,
     rounds: int = 6,
     tolerant: int = 1,
@@ -220,15 +233,15 @@ def fit_balls(
         What to expect.
     planes : tuple of numpy.ndarray
         The frame.
-    paths : list of numpy.ndarray, shape (sample, 2)
-        Centres of each ball within the exposure; the fit shifts them as a whole.
+    paths : mapping of int to numpy.ndarray, shape (sample, 2)
+        Centres of each ball, by its number, within the exposure; the fit shifts them as a whole.
     pivot : numpy.ndarray
         Pivot (column, row), from which rods run.
     rounds, tolerant : int
         Most steps, and how many of them overlook large residuals to be drawn from farther away.
     """
     margin = 1.35 * look.reach + 2.0 * look.blur + 3.0
-    everything = np.concatenate(paths)
+    everything = np.concatenate(list(paths.values()))
     low = np.floor(everything.min(axis=0) - margin).astype(int)
     high = np.ceil(everything.max(axis=0) + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
@@ -236,8 +249,8 @@ def fit_balls(
     patch = look.patch(planes, low, shape, every=every)
     scales = np.full(rounds, look.scale)
     scales[:tolerant] *= _TOLERANT
-    ends = np.cumsum([len(path) for path in paths])
-    cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, look.drawn, scales)
+    ends, drawn = np.cumsum([len(path) for path in paths.values()]), look.drawn(*paths)
+    cost, shift, matrix, tally = fitting.settle(patch, everything, ends, pivot, drawn, scales)
     pixels = np.maximum(tally[:, 0], 1.0)
     covariance = np.linalg.inv(matrix)
     cost *= every / (shape[0] * shape[1])

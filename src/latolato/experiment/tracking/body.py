@@ -41,7 +41,7 @@ def learn_body(
         If nothing about the click differs from the wall.
     """
     # The paint keeps its size, of which `painted` makes a patch this large.
-    half = (look.paint.shape[0] - 5) / 2.6
+    half = (look.paint.shape[1] - 5) / 2.6
     own, wall = (
         np.stack(
             [
@@ -55,7 +55,7 @@ def learn_body(
         )
     )
     inside = np.isfinite(own).all(axis=(0, 3))
-    look.paint = filled(np.median(own, axis=0))
+    look.paint = filled(np.median(own, axis=0))[None]
     # Coded values are about the roots of light.
     root, behind, paint = (np.sqrt(np.maximum(each, 0.0)) for each in (own, wall, look.paint))
     as_wall = np.median(np.mean((root - behind) ** 2, axis=-1), axis=0)

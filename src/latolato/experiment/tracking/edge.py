@@ -47,6 +47,8 @@ class Shot:
         By how much the ball's colours are turned [rad].
     others : numpy.ndarray, shape (ball, 2)
         Centres of other balls.
+    look : int
+        Which of several looks the ball has: balls that look different have colours of their own.
     """
 
     image: np.ndarray
@@ -55,6 +57,7 @@ class Shot:
     pivot: np.ndarray
     turn: float
     others: np.ndarray
+    look: int
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,10 @@ class Edge:
 
 @dataclass
 class _Ring:
-    """Pixels about the edge: value, wall, distances from the path's places, sector, shot."""
+    """Pixels about the edge: value, wall, distances from the path's places, sector, shot.
+
+    Sectors of balls that look different have different numbers.
+    """
 
     value: np.ndarray
     wall: np.ndarray
@@ -185,6 +191,7 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
         use &= np.isfinite(value) & np.isfinite(wall)
         angle = np.arctan2(out[use, 0], out[use, 1]) - shot.turn
         sector = np.floor((angle / (2.0 * np.pi) % 1.0) * _SECTORS).astype(int) % _SECTORS
+        sector += _SECTORS * shot.look
         # All shots have as many places: those between samples of the path's are interpolated.
         at = (np.arange(places_each) + 0.5) / places_each * len(shot.path) - 0.5
         path = np.stack([np.interp(at, range(len(shot.path)), one) for one in shot.path.T], axis=1)
@@ -195,7 +202,10 @@ def _ring(shots: list[Shot], radius: float, half: float) -> _Ring:
             strict=True,
         ):
             parts.append(part)
-    return _Ring(*(np.concatenate(parts) for parts in lists))
+    ring = _Ring(*(np.concatenate(parts) for parts in lists))
+    if not len(ring.value):
+        raise broken("hidden_rim")
+    return ring
 
 
 def _direction(shots: list[Shot], radius: float) -> np.ndarray:
@@ -229,15 +239,13 @@ def _residual(ring: _Ring, at: np.ndarray, weight: np.ndarray) -> tuple[np.ndarr
     behind = (1.0 - share) * ring.wall
     columns = [share, share * outwards, behind, behind * outwards]
     target = ring.value - behind
-    matrix = np.empty((_SECTORS, 4, 4))
-    vector = np.empty((_SECTORS, 4))
+    count = int(ring.sector.max()) + 1
+    matrix, vector = np.empty((count, 4, 4)), np.empty((count, 4))
     for m in range(4):
         own = weight * columns[m]
-        vector[:, m] = np.bincount(ring.sector, own * target, minlength=_SECTORS)
+        vector[:, m] = np.bincount(ring.sector, own * target)
         for n in range(m + 1):
-            matrix[:, m, n] = matrix[:, n, m] = np.bincount(
-                ring.sector, own * columns[n], minlength=_SECTORS
-            )
+            matrix[:, m, n] = matrix[:, n, m] = np.bincount(ring.sector, own * columns[n])
     for m, firm in ((1, _FLAT), (2, _FIRM), (3, _FIRM)):
         matrix[:, m, m] *= 1.0 + firm
     matrix += 1e-9 * np.eye(4)

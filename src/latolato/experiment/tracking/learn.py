@@ -29,6 +29,7 @@ from latolato.experiment.tracking.pivot import (
 from latolato.experiment.tracking.route import Route
 from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.teach import (
+    OUTLYING,
     SMALLEST_DISC,
     Sighting,
     learn_exposure,
@@ -38,7 +39,8 @@ from latolato.experiment.video import Frame, Video
 
 # First guesses, before anything was learned: standard deviation of linear light, edge softness.
 _NOISE, _BLUR = 0.03, 0.8
-# In poor light the noise is less: a share of the contrast, but no less than this.
+# In poor light the noise to begin with is less: a share of the contrast of balls with the
+# background, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 # How often balls are fitted and their look is learned again.
 _ROUNDS = 3
@@ -147,14 +149,14 @@ def learn_image_model(
     pivots = tracker.place(shifts)
     centres = [np.array(ball, float) for ball in balls]
     size = radius or rough_radius or 0.08 * geometry.arm(balls)
-    shots: list[tuple[int, np.ndarray]] = []
+    shots = [[(0, ball)] for ball in balls]
     dot = _dot_radius(sample, route)
     if half is not None:
-        size, shots = half, [(0, ball) for ball in balls]
+        size = half
     for b, click in enumerate(balls if half is None else []):
-        own, size = _discs(frames, colours, route, b, click, size, pivots[0], radius, dot)
-        shots += own
-        centres[b] = own[0][1] if own[0][0] == 0 else centres[b]
+        shots[b], size = _discs(frames, colours, route, b, click, size, pivots[0], radius, dot)
+        first_frame, first_place = shots[b][0]
+        centres[b] = first_place if first_frame == 0 else centres[b]
     if size < _SMALLEST:
         raise broken("small_disc", {"place": place_text(balls[0])})
     arm = geometry.arm(centres)
@@ -166,20 +168,35 @@ def learn_image_model(
     low, high = np.maximum(low, first), np.minimum(high, beyond)
     width, height = high - low
     behind = colours.window(medians, low, (int(height), int(width)))
-    for k, centre in shots:
+    for k, centre in (shot for own in shots for shot in own):
         uncover(behind, low, frames[k], colours, centre, size)
     behind = filled(behind)
-    paint = first_paint([(frames[k], centre, 0.0) for k, centre in shots], colours, size)
-    weight = (
-        np.eye(3) / _first_noise(paint, behind, np.array([at for _, at in shots]) - low, size) ** 2
+
+    def painted(turns: bool, groups: list[list[tuple[int, np.ndarray]]]) -> np.ndarray:
+        return np.stack([
+            first_paint(
+                [(frames[k], at, turns * math.atan2(*(at - pivots[k]))) for k, at in own],
+                colours, size,
+            )
+            for own in groups
+        ])  # fmt: skip
+
+    paint = painted(False, shots)
+    contrast = min(
+        _contrast(one, behind, np.array([at for _, at in own]) - low, size)
+        for one, own in zip(paint, shots, strict=True)
     )
+    if half is not None or _look_alike(paint, size, contrast):
+        shots = [[shot for own in shots for shot in own]]
+        paint = painted(False, shots)
+    noise = float(np.clip(_NOISE_SHARE * contrast, _LEAST_NOISE, _NOISE))
+    weight = np.eye(3) / noise**2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
     if route.is_smeared:
         look.exposure = route.exposure
     scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
     if half is None:
-        turned = [(frames[k], centre, math.atan2(*(centre - pivots[k]))) for k, centre in shots]
-        sightings = _first_fit(scene, frames, pivots, route, first_paint(turned, colours, size))
+        sightings = _first_fit(scene, frames, pivots, route, painted(True, shots))
     else:
         sightings = _first_bobs(scene, frames, pivots, route, balls, medians)
     for round_ in range(_ROUNDS):
@@ -396,12 +413,18 @@ def _settled(
     return disc
 
 
-def _first_noise(
-    paint: np.ndarray, behind: np.ndarray, centres: np.ndarray, radius: float
-) -> float:
-    """Return the noise to begin with, by which balls on this background can be told from it.
+def _look_alike(paints: np.ndarray, radius: float, contrast: float) -> bool:
+    """Return whether paints (ball, row, column, 3) differ less than something else from a ball."""
+    m = (paints.shape[1] - 1) // 2
+    core = np.hypot(*(np.indices(paints.shape[1:3]) - m)) < 0.8 * radius
+    typical = np.median(paints[:, core], axis=1)
+    return bool(np.linalg.norm(typical[0] - typical[-1]) < OUTLYING * contrast)
 
-    Centres (ball, 2) are those of the balls in the background's pixels.
+
+def _contrast(paint: np.ndarray, behind: np.ndarray, centres: np.ndarray, radius: float) -> float:
+    """Return the least difference of a ball from the background.
+
+    Centres (place, 2) are those of the ball in the background's pixels.
     """
     m = (paint.shape[0] - 1) // 2
     j, i = np.nonzero(np.hypot(*(np.indices(paint.shape[:2]) - m)) < 0.8 * radius)
@@ -411,7 +434,7 @@ def _first_noise(
         columns = np.clip(centre[0] + i - m, 0, behind.shape[1] - 1)
         away = np.linalg.norm(paint[j, i] - behind[rows, columns], axis=-1)
         contrasts.append(float(np.nanmedian(away)))
-    return float(np.clip(_NOISE_SHARE * min(contrasts), _LEAST_NOISE, _NOISE))
+    return min(contrasts)
 
 
 def first_sightings(
@@ -447,7 +470,7 @@ def fit_sample(
         own = [one for one in sightings if one.frame == k]
         far = len(own) < 2 or np.hypot(*(own[0].centre - own[1].centre)) > 3.5 * look.radius
         for group in [[one] for one in own] if far else [own]:
-            paths = [one.path(scene.arm, look.exposure) for one in group]
+            paths = {one.ball: one.path(scene.arm, look.exposure) for one in group}
             fit = fit_balls(look, frame[2:], paths, pivots[k], rounds=8, tolerant=tolerant)
             for one, shift, share in zip(group, fit.shift, fit.explained, strict=True):
                 one.centre, one.pivot, one.drift = one.centre + shift, pivots[k], drift[k]

@@ -85,6 +85,7 @@ def painted(
 
 def unmixed_paint(
     look: Appearance,
+    ball: int,
     frame: Frame,
     path: np.ndarray,
     pivot: np.ndarray,
@@ -97,6 +98,8 @@ def unmixed_paint(
     ----------
     look : Appearance
         Edge, exposure and background.
+    ball : int
+        Its number.
     frame : Frame
         What shows the ball.
     path : numpy.ndarray, shape (sample, 2)
@@ -111,7 +114,7 @@ def unmixed_paint(
     """
     centre = path.mean(axis=0)
     corner, shape = _around(centre, look.radius)
-    share = look.ball(path, pivot, corner, shape)[..., 3:]
+    share = look.ball(ball, path, pivot, corner, shape)[..., 3:]
     mixed = look.colours.window(frame[2:], corner, shape)
     is_seen = share > _SEEN * share.max()
     image = np.full_like(mixed, np.nan)

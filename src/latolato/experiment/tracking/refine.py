@@ -173,7 +173,7 @@ class _Refiner:
                 groups = [[0, 1]]
         for group in groups:
             fit = fit_balls(
-                scene.look, shot.frame[2:], [paths[b] for b in group], pivot, tolerant=tolerant
+                scene.look, shot.frame[2:], {b: paths[b] for b in group}, pivot, tolerant=tolerant
             )
             for k, b in enumerate(group):
                 # The exposure's path moves as a whole; the state is that of its middle.

@@ -20,9 +20,11 @@ from latolato.experiment.video import Frame
 # Radius below which a ball has no edge to measure [pixels].
 SMALLEST_DISC = 3.0
 # Share of the contrast between ball and wall from which a residual is something else.
-_OUTLYING = 0.3
+OUTLYING = 0.3
 # Share of a ball's pixels that must look like one for a frame to teach.
 _TEACHES = 0.8
+# How many of the slowest balls of each look teach it.
+_TEACHERS = 16
 # How many of the fastest balls tell the exposure.
 _FASTEST = 6
 # While the exposure is unknown: most pixels per frame over the radius, and how many such balls are
@@ -83,7 +85,8 @@ def learn_look(
     arms = [float(np.hypot(*tilt.flat(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
     known = [one for one in good if not math.isnan(one.speed)] or good
-    teachers = sorted(known, key=lambda one: abs(one.speed))[:16]
+    known.sort(key=lambda one: abs(one.speed))
+    teachers = [one for own in _by_look(look, known) for one in own[:_TEACHERS]]
     has_edge = look.body is None and look.radius >= SMALLEST_DISC
     if has_edge:
         _learn_edge(look, frames, teachers, sightings, arm, is_first)
@@ -98,6 +101,14 @@ def learn_look(
     return arm
 
 
+def _by_look(look: Appearance, sightings: list[Sighting]) -> list[list[Sighting]]:
+    """Return the sightings of the balls of each look; of one that was not seen, all of them."""
+    return [
+        [one for one in sightings if look.number(one.ball) == number] or sightings
+        for number in range(len(look.paint))
+    ]
+
+
 def _learn_paint(
     look: Appearance, frames: list[Frame], teachers: list[Sighting], arm: float
 ) -> None:
@@ -106,7 +117,7 @@ def _learn_paint(
     A pattern that turns is believed in if colours that stay leave clearly more unexplained, and
     then for as long as they leave more: on a narrow part of the circle, turning changes little.
     """
-    look.variance = np.zeros((1, 1), np.float32)
+    look.variance = np.zeros((1, 1, 1), np.float32)
     share = 1.0 if look.is_spinning else _TURNS
     looks, costs = [], []
     for learn in (_learn_staying, _learn_turning):
@@ -114,8 +125,8 @@ def _learn_paint(
         look.whitened()
         cost = sum(
             fit_balls(
-                look, frames[one.frame][2:], [one.path(arm, look.exposure)], one.pivot, rounds=1,
-                tolerant=0,
+                look, frames[one.frame][2:], {one.ball: one.path(arm, look.exposure)}, one.pivot,
+                rounds=1, tolerant=0,
             ).cost
             for one in teachers
         )  # fmt: skip
@@ -130,7 +141,10 @@ def _learn_staying(
 ) -> None:
     """Learn colours that stay as the balls turn."""
     look.is_spinning, look.shading = False, None
-    look.paint = filled(quantile_of_seen(_paints(look, frames, teachers, arm), 0.5))
+    look.paint = np.stack([
+        filled(quantile_of_seen(_paints(look, frames, own, arm), 0.5))
+        for own in _by_look(look, teachers)
+    ])  # fmt: skip
 
 
 def _learn_turning(
@@ -141,16 +155,31 @@ def _learn_turning(
     Each is what the other leaves of the balls, so both are learned in turn.
     """
     look.is_spinning, look.shading = False, None
-    staying = [filled(one) for one in _paints(look, frames, teachers, arm)]
-    look.is_spinning = True
-    turning = [filled(one) for one in _paints(look, frames, teachers, arm)]
-    angles = [one.angle for one in teachers]
-    look.paint = np.median(turning, axis=0)
+    groups, each = _by_look(look, teachers), []
+    for is_spinning in (False, True):
+        look.is_spinning = is_spinning
+        each.append([[filled(one) for one in _paints(look, frames, own, arm)] for own in groups])
+    divided = [
+        _divided(staying, turning, [one.angle for one in own])
+        for staying, turning, own in zip(*each, groups, strict=True)
+    ]
+    look.paint, look.shading = (np.stack(parts) for parts in zip(*divided, strict=True))
+
+
+def _divided(
+    staying: list[np.ndarray], turning: list[np.ndarray], angles: list[float]
+) -> tuple[np.ndarray, np.ndarray]:
+    """Return what turns with the rod and what stays of colours seen in several frames.
+
+    `staying` holds them as they are, `turning` turned back by the `angles` [rad].
+    """
+    paint = np.median(turning, axis=0)
     for _ in range(_DIVIDED):
-        back = [turned(look.paint, -angle) for angle in angles]
-        look.shading = np.median(np.subtract(staying, back), axis=0)
-        back = [turned(look.shading, angle) for angle in angles]
-        look.paint = np.median(np.subtract(turning, back), axis=0)
+        back = [turned(paint, -angle) for angle in angles]
+        shading = np.median(np.subtract(staying, back), axis=0)
+        back = [turned(shading, angle) for angle in angles]
+        paint = np.median(np.subtract(turning, back), axis=0)
+    return paint, shading
 
 
 def _paints(
@@ -162,8 +191,10 @@ def _paints(
     for one in teachers:
         turn = one.angle if look.is_spinning else 0.0
         path = one.path(arm, look.exposure)
-        paint = unmixed_paint(look, frames[one.frame], path, one.pivot, turn, inner)
-        paints.append(paint if look.shading is None else paint - turned(look.shading, turn))
+        paint = unmixed_paint(look, one.ball, frames[one.frame], path, one.pivot, turn, inner)
+        if look.shading is not None:
+            paint = paint - turned(look.shading[look.number(one.ball)], turn)
+        paints.append(paint)
     return np.stack(paints)
 
 
@@ -200,6 +231,7 @@ def _learn_edge(
                 one.pivot - corner,
                 one.angle if look.is_spinning else 0.0,
                 np.reshape(others, (-1, 2)),
+                look.number(one.ball),
             )
         )
     edge = measured_edge(shots, look.radius, look.blur, is_far)
@@ -212,7 +244,9 @@ def _vary_edge(look: Appearance, frames: list[Frame], teachers: list[Sighting], 
 
     def cost() -> float:
         return sum(
-            fit_balls(look, frames[one.frame][2:], [path], one.pivot, rounds=1, tolerant=0).cost
+            fit_balls(
+                look, frames[one.frame][2:], {one.ball: path}, one.pivot, rounds=1, tolerant=0
+            ).cost
             for one, path in zip(teachers, paths, strict=True)
         )
 
@@ -257,17 +291,18 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         outer.append((image - wall)[ring])
         rest_walls.append(np.nanmedian(wall[ring], axis=0))
         if one.explained > _TEACHES and smear < _SLOW * look.radius:
-            m = (look.paint.shape[0] - 1) // 2
+            m = (look.paint.shape[1] - 1) // 2
             core = away < look.reach
             turn = one.angle if look.is_spinning else 0.0
             back_x = dx[core] * math.cos(turn) - dy[core] * math.sin(turn)
             back_y = dx[core] * math.sin(turn) + dy[core] * math.cos(turn)
             p = np.clip(np.rint(back_x).astype(int) + m, 0, 2 * m)
             q = np.clip(np.rint(back_y).astype(int) + m, 0, 2 * m)
-            own = look.paint[q, p]
+            number = look.number(one.ball)
+            own = look.paint[number, q, p]
             if look.shading is not None:
                 column, row = (np.rint(each[core]).astype(int) + m for each in (dx, dy))
-                own = own + look.shading[row, column]
+                own = own + look.shading[number, row, column]
             inner.append((image[core] - own)[look.core[q, p]])
     rest = np.concatenate(outer) if outer else np.empty((0, 3))
     rest = rest[np.isfinite(rest).all(axis=1)]
@@ -284,12 +319,13 @@ def _learn_noise(look: Appearance, frames: list[Frame], sightings: list[Sighting
         own = own[np.isfinite(own).all(axis=1)]
         squares = np.einsum("ni,ij,nj->n", own, look.weight, own)
         own_scale = float(np.sqrt(max(12.0, 2.0 * np.quantile(squares, 0.95))))
-    gap = look.paint[look.core] - np.median(rest_walls, axis=0)
-    contrast = float(np.median(np.einsum("ni,ij,nj->n", gap, look.weight, gap)))
+    gap = look.paint[:, look.core] - np.median(rest_walls, axis=0)
+    squares = np.einsum("kni,ij,knj->kn", gap, look.weight, gap)
+    contrast = float(np.median(squares, axis=1).min())
     if contrast == 0.0:
         raise broken("like_surroundings")
     # What the colours of the ball themselves leave open is no sign of something else.
-    clear = _OUTLYING * math.sqrt(contrast)
+    clear = OUTLYING * math.sqrt(contrast)
     look.scale = max(min(own_scale, 2.0 * clear), clear)
     return clear
 
@@ -301,11 +337,14 @@ def _learn_variance(
 
     `clear` is the residual of something else than a ball of one colour.
     """
-    each = _paints(look, frames, teachers, arm)
-    squares = np.mean(((each - look.paint) @ look.whiten.T) ** 2, axis=-1)
-    excess = quantile_of_seen(squares, _RARER) / _AT_RARER - 1.0
-    excess[excess < (_VARIED * clear) ** 2] = 0.0
-    look.variance = filled(excess[..., None])[..., 0].astype(np.float32)
+    variances = []
+    for paint, own in zip(look.paint, _by_look(look, teachers), strict=True):
+        each = _paints(look, frames, own, arm)
+        squares = np.mean(((each - paint) @ look.whiten.T) ** 2, axis=-1)
+        excess = quantile_of_seen(squares, _RARER) / _AT_RARER - 1.0
+        excess[excess < (_VARIED * clear) ** 2] = 0.0
+        variances.append(filled(excess[..., None])[..., 0])
+    look.variance = np.stack(variances).astype(np.float32)
 
 
 def learn_exposure(
@@ -349,16 +388,16 @@ def _cost_in_window(
     look: Appearance, frame: Frame, path: np.ndarray, one: Sighting, arm: float
 ) -> float:
     """Return the cost of a smeared ball after its shift was fitted, summed over pixels."""
-    fit = fit_balls(look, frame[2:], [path], one.pivot)
+    fit = fit_balls(look, frame[2:], {one.ball: path}, one.pivot)
     reach = abs(one.speed) * arm
     margin = 1.35 * look.reach + 2.0 * look.blur + 3.0
     ends = path + fit.shift[0]
     low = np.floor(one.centre - reach / 2.0 - margin).astype(int)
     high = np.ceil(one.centre + reach / 2.0 + margin).astype(int)
     shape = (int(high[1] - low[1] + 1), int(high[0] - low[0] + 1))
-    layer = look.ball(ends, one.pivot, low, shape)
+    layer = look.ball(one.ball, ends, one.pivot, low, shape)
     cost, *_ = kernels.normal_equations(
         look.patch(frame[2:], low, shape), layer[None], ends.mean(axis=0)[None], one.pivot,
-        look.drawn, look.scale,
+        look.drawn(one.ball), look.scale,
     )  # fmt: skip
     return cost

@@ -20,17 +20,18 @@ def draw(
     shift: np.ndarray,
     pivot: np.ndarray,
     ball: Ball,
+    number: int,
     corner: np.ndarray,
     out: np.ndarray,
 ) -> None:
-    """Add a ball that moves along a shifted path to `out`, shape (row, column, 4)."""
+    """Add the ball of a number, which moves along a shifted path, to `out` (row, column, 4)."""
     places, turns = np.empty((len(path), 2)), np.zeros(len(path))
     for k in range(len(path)):
         for c in range(2):
             places[k, c] = path[k, c] + shift[c]
         if ball.is_spinning:
             turns[k] = math.atan2(places[k, 0] - pivot[0], places[k, 1] - pivot[1])
-    cover(places, turns, ball, corner, out)
+    cover(places, turns, ball, number, corner, out)
 
 
 @jit
@@ -75,7 +76,7 @@ def settle(
                 centres[b, c] = shift[b, c]
                 for k in range(len(paths[b])):
                     centres[b, c] += paths[b][k, c] / len(paths[b])
-            draw(paths[b], shift[b], pivot, ball, patch.corner, layers[b])
+            draw(paths[b], shift[b], pivot, ball, b, patch.corner, layers[b])
         cost, matrix, vector, tally = normal_equations(
             patch, layers, centres, pivot, ball, scales[round_]
         )

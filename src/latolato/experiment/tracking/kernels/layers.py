@@ -33,10 +33,11 @@ _ROD_BEGINS, _ROD_HALF_WIDTH = 0.7, 0.45
 class Ball(NamedTuple):
     """How balls are drawn: sizes [pixels], colours about the centre, whether these turn.
 
-    A fourth colour, 1, becomes the share that a ball covers. `shading` is added to colours that
-    turn, and stays as the light does; its fourth colour is 0. `variance` is by how much more than
-    the background the colours vary from frame to frame, as those of a pattern that moves. Both
-    have a single pixel if there is none.
+    `paint` and `shading` have the shape (ball, row, column, 4), `variance` (ball, row, column);
+    balls that look alike share the last one. A fourth colour, 1, becomes the share that a ball
+    covers. `shading` is added to colours that turn, and stays as the light does; its fourth colour
+    is 0. `variance` is by how much more than the background the colours vary from frame to frame,
+    as those of a pattern that moves. Both have a single pixel if there is none.
     """
 
     radius: float
@@ -165,17 +166,32 @@ def add_between(
 
 
 @jit
+def _own(number: int, looks: np.ndarray) -> int:
+    """Return which of looks (look, ...) is a ball's: its own, or the last one, which is shared."""
+    last: int = looks.shape[0] - 1
+    return min(number, last)
+
+
+@jit
 def cover(
-    path: np.ndarray, turns: np.ndarray, ball: Ball, corner: np.ndarray, out: np.ndarray
+    path: np.ndarray,
+    turns: np.ndarray,
+    ball: Ball,
+    number: int,
+    corner: np.ndarray,
+    out: np.ndarray,
 ) -> None:
     """Add a moving ball, averaged over `path`, to `out`, shape (row, column, 4).
 
-    `path` holds centres, shape (sample, 2), `turns` the paint's turn at each from straight down to
-    the right [rad]. The last channel of `out`, which begins at `corner`, is the share of the
-    exposure in which the ball covers a pixel, the others its premultiplied colour.
+    `number` says which of the balls it is. `path` holds centres, shape (sample, 2), `turns` the
+    paint's turn at each from straight down to the right [rad]. The last channel of `out`, which
+    begins at `corner`, is the share of the exposure in which the ball covers a pixel, the
+    others its premultiplied colour.
     """
     rows, columns = out.shape[0], out.shape[1]
-    half, is_shaded = (ball.paint.shape[0] - 1) // 2, ball.shading.shape[0] > 1
+    paint = ball.paint[_own(number, ball.paint)]
+    shading = ball.shading[_own(number, ball.shading)]
+    half, is_shaded = (paint.shape[0] - 1) // 2, shading.shape[0] > 1
     weight = 1.0 / path.shape[0]
     reach = ball.radius + 2.0 * ball.blur
     core = max(ball.radius - 2.0 * ball.blur, 0.0) ** 2
@@ -198,11 +214,11 @@ def cover(
                     share *= 0.5 + depth * (0.375 - depth * depth * 0.03125)
                 u = min(max(dx * cosine - dy * sine + half, 0.0), 2.0 * half - 1e-3)
                 v = min(max(dx * sine + dy * cosine + half, 0.0), 2.0 * half - 1e-3)
-                add_between(ball.paint, v, u, share, out[j, i])
+                add_between(paint, v, u, share, out[j, i])
                 if is_shaded:
                     u = min(max(dx + half, 0.0), 2.0 * half - 1e-3)
                     v = min(max(dy + half, 0.0), 2.0 * half - 1e-3)
-                    add_between(ball.shading, v, u, share, out[j, i])
+                    add_between(shading, v, u, share, out[j, i])
 
 
 @jit
@@ -260,7 +276,7 @@ def normal_equations(
                 shares += share
                 if share > 0.0:
                     x, y = corner[0] + i - centres[b, 0], corner[1] + j - centres[b, 1]
-                    allowed += share * share * _variance(ball, x, y, rods[b])
+                    allowed += share * share * _variance(ball, b, x, y, rods[b])
                 r0 -= layers[b, j, i, 0] - share * b0
                 r1 -= layers[b, j, i, 1] - share * b1
                 r2 -= layers[b, j, i, 2] - share * b2
@@ -302,16 +318,16 @@ def normal_equations(
 
 
 @jit
-def _variance(ball: Ball, x: float, y: float, rod: np.ndarray) -> float:
+def _variance(ball: Ball, number: int, x: float, y: float, rod: np.ndarray) -> float:
     """Return the variance of a ball's colours at a place from its centre; `rod` points upwards."""
-    half = (ball.variance.shape[0] - 1) // 2
+    half = (ball.variance.shape[1] - 1) // 2
     if ball.is_spinning:
         # Its turn from straight down has the sine -rod[0] and the cosine -rod[1].
         x, y = y * rod[0] - x * rod[1], -x * rod[0] - y * rod[1]
     i, j = math.floor(x + 0.5) + half, math.floor(y + 0.5) + half
     if i < 0 or j < 0 or i > 2 * half or j > 2 * half:
         return 0.0
-    variance: float = ball.variance[j, i]
+    variance: float = ball.variance[_own(number, ball.variance), j, i]
     return variance
 
 
