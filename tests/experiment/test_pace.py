@@ -141,3 +141,16 @@ def test_what_does_not_swing_tells_no_pace():
     ):
         assert fit_swing(motion) is None
         assert parts_of(motion) == []
+
+
+def test_a_few_frames_tell_no_pace():
+    motion = filmed(ll.simulate(BALL, initial_angle=0.8, duration=8.1), [(0.0, 1.0)])
+    for balls in (1, 2):
+        pair = motion._replace(
+            angles=np.tile(motion.angles, balls), is_free=np.tile(motion.is_free, balls)
+        )
+        for count in range(2, 9):
+            part = Motion(*(values[:count] for values in pair))
+            swing = fit_swing(part)
+            assert swing is None or swing.stiffness == pytest.approx(STIFFNESS, rel=0.1)
+            assert parts_of(part) == []

@@ -1,5 +1,7 @@
 """Balls that rest for longer than they move: what is behind them, and where they are."""
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from latolato.experiment.tracking.background import background_of
 from latolato.experiment.tracking.detect import Blobs
 from latolato.experiment.tracking.link import Trajectory, are_alike
 from latolato.experiment.tracking.positions import Positions
-from latolato.experiment.tracking.route import _are_one, _meeting, _touching
+from latolato.experiment.tracking.route import _are_one, _meeting, _told_apart, _touching
 
 WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
 
@@ -108,11 +110,51 @@ def test_two_balls_in_one_blob_are_one_on_each_side_of_it():
     is_one = _are_one(times, places, 10.0)
     assert is_one[20:].all()
     assert not is_one[:20].any()
-    touching = _touching(places[20:, 0], np.array([100.0, 0.0]), 10.0)
-    np.testing.assert_allclose(np.sort(touching[..., 0], axis=1), np.tile([90.0, 110.0], (40, 1)))
+    # Half the length of the ellipse of two discs; without a gap they are a radius from the middle.
+    for gap, away in ((0.0, 10.0), (5.0, 12.5), (-8.0, 10.0)):
+        lengths = np.full(40, np.sqrt(10.0**2 + (20.0 + gap) ** 2))
+        touching = _touching(places[20:, 0], lengths, np.array([100.0, 0.0]), 10.0)
+        ends = np.tile([100.0 - away, 100.0 + away], (40, 1))
+        np.testing.assert_allclose(np.sort(touching[..., 0], axis=1), ends)
     # One that is out of sight somewhere else is not in the blob.
     places[:20, 1, 0] -= 200.0
     assert not _are_one(times, places, 10.0).any()
+
+
+def test_balls_that_are_two_blobs_in_between_are_no_single_one():
+    places = np.full((4, 2, 2), np.nan)
+    places[:, 1] = [100.0, 200.0]
+    # Like it and beside it; too long; too far away; none.
+    others = [([130.0, 200.0], 10.0), ([130.0, 200.0], 40.0), ([160.0, 200.0], 10.0), None]
+    left = [
+        Blobs.of([(*one[0], 10.0, one[1], 90.0, *BALL, *WALL)] if one else [], 1) for one in others
+    ]
+    found = _told_apart(left, places, np.arange(4), 10.0)
+    assert found.tolist() == [True, False, False, False]
+    assert places[0, 0].tolist() == [130.0, 200.0]
+    assert np.isnan(places[1:, 0]).all()
+
+
+@pytest.mark.parametrize("restitution, damping", [(0.75, 0.03), (0.9, 0.02)])
+def test_balls_that_clack_until_they_rest_are_measured_to_the_end(restitution, damping, tmp_path):
+    # In most frames they touch or nearly do: the median shows them, and they are one blob.
+    toy = ll.LatoLato(length=0.25, mass=0.1, radius=0.028, restitution=restitution, damping=damping)
+    run = ll.simulate(toy, initial_angle=0.9, duration=5.0)
+    camera = Camera(width=480, height=360, fps=60.0)
+    truth = synthesise_video(run, tmp_path / "toy.mp4", Scene(), camera, seed=2)
+    pivot, *balls = (
+        tuple(truth.attrs[f"{part}_pixel_{axis}"] for axis in "uv")
+        for part in ("pivot", "ball_1", "ball_2")
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        table = ll.track(tmp_path / "toy.mp4", pivot=pivot, balls=balls, length=0.25, radius=0.028)
+    for ball in (1, 2):
+        is_measured = table[f"flag_{ball}"].isin(["ok", "collision"]).values
+        assert is_measured.mean() > 0.98
+        off = (table[f"angle_{ball}"].values - truth[f"angle_{ball}"].values)[is_measured]
+        assert np.sqrt(np.mean(off**2)) < 2e-3
+        assert np.abs(off).max() < 0.02
 
 
 def test_what_leaps_about_at_its_place_and_is_often_lost_is_no_ball():

@@ -238,5 +238,5 @@ def _unit(motion: Motion) -> float:
         if not np.nansum(speeds) > 0.0:
             return 0.0
         unit = max(size / float(np.nanquantile(speeds, _LARGEST)), 2.01 * step)
-        lag = min(max(int(0.5 * unit / step), 1), len(times) // 4)
+        lag = max(min(int(0.5 * unit / step), len(times) // 4), 1)
     return unit

@@ -19,7 +19,7 @@ from latolato.experiment.tracking.appearance import (
 from latolato.experiment.tracking.body import learn_body
 from latolato.experiment.tracking.disc import disc_at
 from latolato.experiment.tracking.geometry import Geometry
-from latolato.experiment.tracking.paint import filled, first_paint, learn_background, uncover
+from latolato.experiment.tracking.paint import first_paint, learn_background
 from latolato.experiment.tracking.pivot import (
     PivotTracker,
     learn_template,
@@ -42,6 +42,8 @@ _NOISE, _BLUR = 0.03, 0.8
 # In poor light the noise to begin with is less: a share of the contrast of balls with the
 # background, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
+# How far balls hide the background where they roughly are [radii].
+_HIDES = 1.3
 # How often balls are fitted and their look is learned again.
 _ROUNDS = 3
 # Typical share that colours that stay explain from which those that turn are not tried, and by how
@@ -166,11 +168,15 @@ def learn_image_model(
     # No ball is found where the background is unknown.
     first, beyond = video.bounds
     low, high = np.maximum(low, first), np.minimum(high, beyond)
-    width, height = high - low
-    behind = colours.window(medians, low, (int(height), int(width)))
-    for k, centre in (shot for own in shots for shot in own):
-        uncover(behind, low, frames[k], colours, centre, size)
-    behind = filled(behind)
+    covered = [(0, ball) for ball in balls]
+    covered += [
+        (k, place)
+        for k, frame in enumerate(frames)
+        if 0 <= frame.number < len(route.times)
+        for place in route.places[frame.number]
+        if np.isfinite(place).all()
+    ]
+    behind = learn_background(medians, frames, colours, covered, (low, high), _HIDES * size + 2.0)
 
     def painted(turns: bool, groups: list[list[tuple[int, np.ndarray]]]) -> np.ndarray:
         return np.stack([
@@ -207,9 +213,6 @@ def learn_image_model(
         scene.arm = learn_look(look, frames, sightings, medians, is_first=round_ == 0, tilt=tilt)
         if not look.scale > 0.0:
             raise broken("like_surroundings")
-        if round_ == 0:
-            covered = [(one.frame, one.centre) for one in sightings]
-            learn_background(look, frames, covered)
         if round_ > 0:
             learn_exposure(look, frames, sightings, scene.arm, scene.balls)
             tracker.exposure = look.exposure
@@ -417,7 +420,7 @@ def _look_alike(paints: np.ndarray, radius: float, contrast: float) -> bool:
     """Return whether paints (ball, row, column, 3) differ less than something else from a ball."""
     m = (paints.shape[1] - 1) // 2
     core = np.hypot(*(np.indices(paints.shape[1:3]) - m)) < 0.8 * radius
-    typical = np.median(paints[:, core], axis=1)
+    typical = paints[:, core].mean(axis=1)  # also of a pattern, which may be turned
     return bool(np.linalg.norm(typical[0] - typical[-1]) < OUTLYING * contrast)
 
 

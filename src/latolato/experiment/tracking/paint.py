@@ -16,36 +16,6 @@ from latolato.experiment.video import Frame
 _SEEN = 0.5
 
 
-def uncover(
-    behind: np.ndarray,
-    low: np.ndarray,
-    frame: Frame,
-    colours: Colours,
-    centre: np.ndarray,
-    radius: float,
-) -> None:
-    """Mark the background as unseen where it shows the ball itself, which rested there mostly."""
-    reach = int(1.7 * radius) + 2
-    at = np.rint(centre).astype(int) - low
-    (left, top), (right, bottom) = np.maximum([at - reach, at + reach + 1], 0)
-    behind = behind[top:bottom, left:right]
-    corner = low[0] + left, low[1] + top
-    j, i = np.indices(behind.shape[:2])
-    away = np.hypot(i + corner[0] - centre[0], j + corner[1] - centre[1])
-    picture = colours.window(frame[2:], corner, behind.shape[:2])
-    inside = away < 0.8 * radius
-    outside = (away > 1.3 * radius) & (away < 1.7 * radius)
-    known = np.isfinite(behind).all(axis=-1)
-    inside, outside = inside & known, outside & known
-    if not inside.any() or not outside.any():
-        return
-    own = np.nanmedian(np.abs(behind - picture)[inside].sum(axis=-1))
-    wall = np.nanmedian(behind[outside], axis=0)
-    contrast = np.nanmedian(np.abs(behind - wall)[inside].sum(axis=-1))
-    if own < 0.5 * contrast:
-        behind[away < 1.25 * radius] = np.nan
-
-
 def filled(behind: np.ndarray) -> np.ndarray:
     """Return the background with unseen places filled, in place, from their nearest neighbours."""
     unseen = ~np.isfinite(behind).all(axis=-1)
@@ -167,30 +137,48 @@ def turned(paint: np.ndarray, turn: float) -> np.ndarray:
 
 
 def learn_background(
-    look: Appearance, frames: list[Frame], covered: list[tuple[int, np.ndarray]]
-) -> None:
-    """Learn the background again where balls hid it in much of the sample, from other frames."""
-    reach = 1.3 * look.reach + 2.0
-    discs = [[at - look.corner for k, at in covered if k == n] for n in range(len(frames))]
-    count = np.zeros(look.behind.shape[:2], np.uint8)
+    medians: tuple[np.ndarray, ...],
+    frames: list[Frame],
+    colours: Colours,
+    covered: list[tuple[int, np.ndarray]],
+    window: tuple[np.ndarray, np.ndarray],
+    reach: float,
+) -> np.ndarray:
+    """Return the background of a window in linear light, shape (row, column, 3).
+
+    What balls hid in much of the sample comes from the other frames, or else from its neighbours.
+
+    Parameters
+    ----------
+    medians : tuple of numpy.ndarray
+        Planes of what most of the frames show.
+    frames, colours : list of Frame, Colours
+        The sample, and how its planes are light.
+    covered : list of (int, numpy.ndarray)
+        Numbers of frames in the sample, each with a place of a ball [pixels].
+    window : tuple of numpy.ndarray, shape (2,)
+        First column and row, and the first ones beyond [pixels].
+    reach : float
+        How far balls hide what is behind them [pixels].
+    """
+    low, (width, height) = window[0], window[1] - window[0]
+    behind = colours.window(medians, low, (int(height), int(width)))
+    discs = [[at - low for k, at in covered if k == n] for n in range(len(frames))]
+    count = np.zeros(behind.shape[:2], np.uint8)
     for own in discs:
         count += _under(own, reach, count.shape)
     often = count > 0.2 * len(frames)
-    if not often.any():
-        return
     for part in find_objects(label(often)[0]):
         here, corner = often[part], np.array([part[1].start, part[0].start])
-        colours = np.empty((len(frames), np.count_nonzero(here), 3), np.float32)
+        shown = np.empty((len(frames), np.count_nonzero(here), 3), np.float32)
         for k, frame in enumerate(frames):
-            image = look.colours.window(frame[2:], look.corner + corner, here.shape)
-            colours[k] = image[here]
-            colours[k][_under([at - corner for at in discs[k]], reach, here.shape)[here]] = np.nan
+            shown[k] = colours.window(frame[2:], low + corner, here.shape)[here]
+            shown[k][_under([at - corner for at in discs[k]], reach, here.shape)[here]] = np.nan
         # The lower median of frames that show a pixel, which sorting puts first; none: unknown.
-        colours.sort(axis=0)
-        middle = np.maximum(np.isfinite(colours).sum(axis=0) - 1, 0) // 2
-        median = np.take_along_axis(colours, middle[None], axis=0)[0]
-        look.behind[part][here] = median @ look.whiten.T
-    look.behind = filled(look.behind)
+        shown.sort(axis=0)
+        middle = np.maximum(np.isfinite(shown).sum(axis=0) - 1, 0) // 2
+        behind[part][here] = np.take_along_axis(shown, middle[None], axis=0)[0]
+    return filled(behind)
 
 
 def _under(places: list[np.ndarray], reach: float, shape: tuple[int, ...]) -> np.ndarray:

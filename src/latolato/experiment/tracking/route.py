@@ -257,10 +257,13 @@ def find_route(
     touching = np.full_like(places, np.nan)
     if len(tracks) == 2:
         is_one = _are_one(times, places, size)
+        is_one &= ~_told_apart(left, places, np.flatnonzero(is_one), size)
         known = [pivot for pivot in pivots if pivot is not None]
         if known:
             pivot = np.mean(known, axis=0)
-            touching[is_one] = _touching(np.nanmean(places[is_one], axis=1), pivot, size)
+            lengths = np.nanmean([track.lengths[is_one] for track in tracks], axis=0)
+            middles = np.nanmean(places[is_one], axis=1)
+            touching[is_one] = _touching(middles, lengths, pivot, size)
         places[is_one] = detected[is_one] = np.nan
     sizes = np.stack([track.radii for track in tracks], axis=1)
     with np.errstate(invalid="ignore"):
@@ -301,11 +304,39 @@ def _are_one(times: np.ndarray, places: np.ndarray, radius: float) -> np.ndarray
     return np.asarray(result & (np.isfinite(places[..., 0]).sum(axis=1) == 1))
 
 
-def _touching(middles: np.ndarray, pivot: np.ndarray, radius: float) -> np.ndarray:
-    """Return the places (frame, ball, 2) of balls that touch, one on each side of their middle."""
+def _told_apart(
+    left: list[Blobs], places: np.ndarray, frames: np.ndarray, radius: float
+) -> np.ndarray:
+    """Put the ball that is missing in some frames where a blob like it lies beside the other one.
+
+    Balls that are one blob for a while may be two in a frame between: too few to be linked.
+    Returns in which frames there is such a blob, and writes its place into `places`.
+    """
+    result = np.zeros(len(places), bool)
+    for frame in frames.tolist():
+        own, seen = left[frame], int(np.isfinite(places[frame, 1, 0]))
+        away = np.linalg.norm(own.places - places[frame, seen], axis=1)
+        is_ball = (own.lengths < _LONG * own.radii) & (own.radii > _PARTLY * radius)
+        is_ball &= (own.radii < radius / _PARTLY) & (away > radius) & (away < _MERGED * radius)
+        if is_ball.any():
+            result[frame] = True
+            places[frame, 1 - seen] = own.places[np.argmin(np.where(is_ball, away, np.inf))]
+    return result
+
+
+def _touching(
+    middles: np.ndarray, lengths: np.ndarray, pivot: np.ndarray, radius: float
+) -> np.ndarray:
+    """Return the places (frame, ball, 2) of balls that are one blob, on both sides of its middle.
+
+    The second moment along two discs at distances ``d`` from their middle is ``r^2/4 + d^2``, and
+    that of an ellipse of half `lengths` ``L`` is ``L^2/4``.
+    """
     down = middles - pivot
     down = down / np.linalg.norm(down, axis=1, keepdims=True)
-    across = radius * np.column_stack([down[:, 1], -down[:, 0]])
+    apart = np.sqrt(np.maximum(0.25 * (lengths**2 - radius**2), 0.0))
+    apart = np.clip(apart, radius, 0.5 * _MERGED * radius)
+    across = apart[:, None] * np.column_stack([down[:, 1], -down[:, 0]])
     return np.stack([middles + across, middles - across], axis=1)
 
 
