@@ -149,7 +149,7 @@ def test_a_few_frames_tell_no_pace():
         pair = motion._replace(
             angles=np.tile(motion.angles, balls), is_free=np.tile(motion.is_free, balls)
         )
-        for count in range(2, 9):
+        for count in range(9):
             part = Motion(*(values[:count] for values in pair))
             swing = fit_swing(part)
             assert swing is None or swing.stiffness == pytest.approx(STIFFNESS, rel=0.1)

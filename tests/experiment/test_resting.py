@@ -1,5 +1,6 @@
 """Balls that rest for longer than they move: what is behind them, and where they are."""
 
+import math
 import warnings
 
 import numpy as np
@@ -11,10 +12,17 @@ from latolato.experiment.follow import _check_motion
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking.background import background_of
-from latolato.experiment.tracking.detect import Blobs
+from latolato.experiment.tracking.detect import Blobs, Copies
 from latolato.experiment.tracking.link import Trajectory, are_alike
 from latolato.experiment.tracking.positions import Positions
-from latolato.experiment.tracking.route import _are_one, _meeting, _told_apart, _touching
+from latolato.experiment.tracking.route import (
+    _are_one,
+    _meeting,
+    _radius_of_parts,
+    _told_apart,
+    _touching,
+    find_route,
+)
 
 WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
 
@@ -155,6 +163,38 @@ def test_balls_that_clack_until_they_rest_are_measured_to_the_end(restitution, d
         off = (table[f"angle_{ball}"].values - truth[f"angle_{ball}"].values)[is_measured]
         assert np.sqrt(np.mean(off**2)) < 2e-3
         assert np.abs(off).max() < 0.02
+
+
+@pytest.mark.parametrize("turn", [0.0, 0.5, 1.4])
+@pytest.mark.parametrize("radius", [None, 8.0])
+def test_a_stripe_like_the_wall_leaves_a_ball_one(radius, turn):
+    times, arm = np.arange(80) / 30.0, 45.0
+    angle = 0.2 + np.abs(0.8 * np.cos(5.0 * times))  # two that mirror each other, and meet
+    places = 5.0 + arm * np.stack(
+        [[45.0 / arm + np.sin(angle), np.cos(angle)], [45.0 / arm - np.sin(angle), np.cos(angle)]]
+    ).transpose(2, 0, 1)
+    rows, columns = np.mgrid[:70, :100]
+    rng, pictures = np.random.default_rng(1), []
+    for pair in places:
+        picture = WALL + rng.normal(0.0, 0.5, (70, 100, 3))
+        for u, v in pair:
+            across = (columns - u) * np.cos(turn) - (rows - v) * np.sin(turn)
+            is_ball = (np.hypot(columns - u, rows - v) < 8.0) & (np.abs(across) > 2.5)
+            picture[is_ball] = BALL
+        pictures.append(picture)
+    copies = Copies(np.rint(pictures).astype(np.uint8), 1, (np.zeros(2), np.array([99.0, 69.0])))
+    assert min(len(blobs.radii) for blobs in copies.blobs[:5]) == 4
+    pivots = [np.array([50.0, 5.0])] * 2
+    route = find_route(copies, times, [*places[0]], 0, radius, np.zeros(80, bool), pivots).ordered(
+        pivots[0]
+    )
+    off = np.linalg.norm(route.places - places, axis=-1)
+    assert np.isfinite(off).all()
+    assert route.is_seen.mean() > 0.8
+    assert off[route.is_seen].max() < 2.0
+    # What nobody parts is whole, and so is what has parts on one side only.
+    assert math.isnan(_radius_of_parts(copies.blobs[0], [places[0, 0] + 4.0]))
+    assert _radius_of_parts(copies.blobs[0], [*places[0]]) == pytest.approx(8.0, rel=0.25)
 
 
 def test_what_leaps_about_at_its_place_and_is_often_lost_is_no_ball():

@@ -137,6 +137,8 @@ def windows(motion: Motion, width: float) -> np.ndarray:
     `width`.
     """
     times, angles, unit = motion.times, motion.angles, _unit(motion)
+    if unit == 0.0:
+        return np.empty((0, 9))
     steps = np.diff(times)
     sine, cosine = np.sin(angles), np.cos(angles)
     # A difference of slopes is what a hat of two steps averages, and the terms are averaged alike.
@@ -150,8 +152,6 @@ def windows(motion: Motion, width: float) -> np.ndarray:
     is_even = np.maximum(steps[1:], steps[:-1]) < _GAP * float(np.median(steps))
     known = np.isfinite(terms).all(axis=-1) & is_even[:, None]
     free = known & motion.is_free[2:] & motion.is_free[1:-1] & motion.is_free[:-2]
-    if unit == 0.0:
-        return np.empty((0, 9))
     inner = times[1:-1]
     parts = [_averages(inner, terms.sum(axis=1), known.all(axis=1), width * unit)]
     if angles.shape[1] == 2:
@@ -225,7 +225,7 @@ def _averages(times: np.ndarray, terms: np.ndarray, ok: np.ndarray, half: float)
 def _unit(motion: Motion) -> float:
     """Return the time in which the phase of the fastest swing grows by 1 [s], 0 for no swing."""
     times, angles = motion.times, motion.angles
-    if np.isfinite(angles).sum() < _FEWEST:
+    if len(times) < 3 or np.isfinite(angles).sum() < _FEWEST:
         return 0.0
     size = min(float(np.nanquantile(np.abs(angles - np.nanmedian(angles)), _LARGEST)), 1.0)
     bends = np.abs(np.diff(angles, 2, axis=0))

@@ -190,7 +190,7 @@ def shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
     return np.asarray(cv2.resize(part, (columns, rows), interpolation=cv2.INTER_AREA))
 
 
-def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
+def detect(copies: Copies, colour: np.ndarray | None = None, stripe: float = 0.0) -> list[Blobs]:
     """Return what moves in each frame.
 
     Parameters
@@ -199,6 +199,8 @@ def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
         Small pictures of all frames.
     colour : numpy.ndarray, shape (3,), optional
         Luma and chroma of what is looked for [steps of 255]; by default anything.
+    stripe : float
+        Parts of a ball that are nearer to each other than this are one [pixels].
 
     Notes
     -----
@@ -214,8 +216,10 @@ def detect(copies: Copies, colour: np.ndarray | None = None) -> list[Blobs]:
     )
     part = np.s_[max(top, 0) : bottom + 1, max(left, 0) : right + 1]
     corner = np.array([max(left, 0), max(top, 0)])
+    half = math.ceil(0.5 * stripe / copies.shrink)
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * half + 1,) * 2) if half else None
     return [
-        _blobs(cv2, picture[part], wall[part], corner, limit, copies.shrink, colour)
+        _blobs(cv2, picture[part], wall[part], corner, limit, copies.shrink, colour, disc)
         for picture in copies.pictures
     ]
 
@@ -228,13 +232,19 @@ def _blobs(
     limit: float,
     shrink: int,
     colour: np.ndarray | None,
+    disc: np.ndarray | None,
 ) -> Blobs:
-    """Return the blobs of one picture, which begins at a corner of the whole one."""
+    """Return the blobs of one picture, which begins at a corner of the whole one.
+
+    Parts between which a `disc` does not fit are one.
+    """
     apart = cv2.GaussianBlur(difference(picture, wall), (3, 3), 0)
     _, mask = cv2.threshold(apart, limit, 1, cv2.THRESH_BINARY)
     if colour is not None:
         low, high = colour - _SAME_COLOUR * _WEIGHTS, colour + _SAME_COLOUR * _WEIGHTS
         mask = cv2.bitwise_and(mask, cv2.inRange(picture, low, high))
+    if disc is not None:
+        mask = cv2.morphologyEx(mask, cv2.MORPH_CLOSE, disc)
     # Where anything differs: labels of a whole picture take nine times longer.
     left, top, width, height = cv2.boundingRect(mask)
     if width == 0:
@@ -249,13 +259,18 @@ def _blobs(
         own = labels[y : y + height, x : x + width] == number
         x, y = x + left, y + top
         part = np.s_[y : y + height, x : x + width]
-        for u, v, *rest in _split(cv2, own, apart[part], picture[part], wall[part]):
+        for u, v, *rest in _split(cv2, own, apart[part], picture[part], wall[part], disc):
             rows.append((u + x + corner[0], v + y + corner[1], *rest))
     return Blobs.of(rows, shrink)
 
 
 def _split(
-    cv2: Any, own: np.ndarray, apart: np.ndarray, picture: np.ndarray, wall: np.ndarray
+    cv2: Any,
+    own: np.ndarray,
+    apart: np.ndarray,
+    picture: np.ndarray,
+    wall: np.ndarray,
+    disc: np.ndarray | None,
 ) -> list[tuple[float, ...]]:
     """Return the blobs in one connected thing, without rods and shadows.
 
@@ -263,15 +278,17 @@ def _split(
     """
     limit = _OWN * _ranked(apart[own], 0.9)
     clear = (own & (apart > limit)).astype(np.uint8)
+    if disc is not None:
+        clear = cv2.morphologyEx(clear, cv2.MORPH_CLOSE, disc) & own.astype(np.uint8)
     clear = cv2.copyMakeBorder(clear, 2, 2, 2, 2, cv2.BORDER_CONSTANT)
     depth = cv2.distanceTransform(clear, cv2.DIST_L2, 5)
     reach = float(0.5 * depth.max())
     # Of a ball of few pixels, half a pixel more cuts a rod off.
     reach = round(reach) if _SMALL[0] <= reach < _SMALL[1] else int(reach)
     if reach >= 1:
-        disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
+        wide = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * reach + 1, 2 * reach + 1))
         clear = cv2.morphologyEx(
-            cv2.morphologyEx(clear, cv2.MORPH_CLOSE, disc), cv2.MORPH_OPEN, disc
+            cv2.morphologyEx(clear, cv2.MORPH_CLOSE, wide), cv2.MORPH_OPEN, wide
         )
     count, labels = cv2.connectedComponents(clear[2:-2, 2:-2])
     both = np.concatenate([picture, wall], axis=-1)

@@ -27,6 +27,10 @@ from latolato.experiment.video import Frame
 _BRIDGED, _RESTED = 12, 1.5
 # A blob is a part of a ball if it is smaller than this share of the typical one.
 _PARTLY = 0.8
+# How wide a stripe of the wall's colour across a ball may be [radii]; how near to the middle of two
+# parts a click is, which is nearer to no part, as a share of how far these are apart, and how far
+# that is at most [their half lengths].
+_STRIPE, _AMID, _PARTED = 0.9, 0.25, 2.5
 # By how much steps of time that count as even differ from the typical one, as a share.
 _EVEN = 0.05
 # Fewest fast blobs that show the exposure.
@@ -222,6 +226,9 @@ def find_route(
         About which each ball swings, None where that is not known [pixels].
     """
     left, bounds = list(copies.blobs), copies.bounds
+    parted = _radius_of_parts(left[number], clicks) if 0 <= number < len(left) else math.nan
+    if math.isfinite(parted):
+        left = detect(copies, stripe=_STRIPE * (radius or parted))
     empty = Blobs.of([], copies.shrink)
     for frame in np.flatnonzero(is_stale).tolist():
         if frame != number:
@@ -229,8 +236,11 @@ def find_route(
     tracks: list[Trajectory] = []
     for click, pivot in zip(clicks, pivots, strict=True):
         track, others = link_clicked(left, copies, click, number, radius, pivot)
-        if not 0 <= number < len(left) or _is_by_itself(
-            left[number], click, copies, number, radius
+        is_in_clip, is_parted = 0 <= number < len(left), math.isfinite(parted)
+        if (
+            not is_in_clip
+            or is_parted  # the click shows the colour of its stripe
+            or _is_by_itself(left[number], click, copies, number, radius)
         ):
             left = others
         else:
@@ -372,6 +382,29 @@ def _is_by_itself(
         if np.linalg.norm((own - blobs.colours[at]) * WEIGHTS) > ALIKE:
             return False
     return bool(away[at] < blobs.radii[at] + copies.shrink)
+
+
+def _radius_of_parts(blobs: Blobs, clicks: list[np.ndarray]) -> float:
+    """Return the radius of balls that are seen as two parts, as with a stripe like the wall.
+
+    Of all that are clicked one part lies on each side of the click; else it is NaN.
+    """
+    sizes = []
+    for click in clicks:
+        near = np.argsort(np.linalg.norm(blobs.places - click, axis=1))[:2]
+        if len(near) < 2:
+            return math.nan
+        places, radii = blobs.places[near], blobs.radii[near]
+        apart = math.dist(*places)
+        nearest = float(np.linalg.norm(places - click, axis=1).min())
+        is_between = math.dist(places.mean(axis=0), click) < _AMID * apart < nearest
+        are_parts = (
+            radii.max() < _LONG * radii.min() and apart < _PARTED * blobs.lengths[near].max()
+        )
+        if not (is_between and are_parts):
+            return math.nan
+        sizes.append(0.5 * apart + float(radii.mean()))
+    return float(np.mean(sizes)) if max(sizes) < _LONG * min(sizes) else math.nan
 
 
 def _exposure(route: Route, tracks: list[Trajectory]) -> float:
