@@ -90,12 +90,7 @@ def circle_distances(table: xr.Dataset, ball: int) -> np.ndarray:
     return np.asarray(distance - arm)
 
 
-def pivot_heights(table: xr.Dataset) -> np.ndarray:
-    """Return how high the pivot is [m], or in pixels where there is no scale."""
-    return _pivot_places(table, "y")
-
-
-def _pivot_places(table: xr.Dataset, axis: str) -> np.ndarray:
+def pivot_places(table: xr.Dataset, axis: str = "y") -> np.ndarray:
     """Return the pivot's x, to the right, or y, upwards [m], in pixels where there is no scale."""
     if np.isfinite(table[f"pivot_{axis}"].values).any():
         return np.asarray(table[f"pivot_{axis}"].values)
@@ -119,12 +114,22 @@ class Harmonic:
     places: np.ndarray
 
 
-def pivot_harmonic(table: xr.Dataset) -> Harmonic | None:
-    """Return the harmonic of the pivot's height.
+def pivot_harmonic(table: xr.Dataset, axis: str = "y") -> Harmonic | None:
+    """Return the harmonic of the pivot's motion along an axis, "x" or "y".
 
-    None if it does not move up and down, is unknown, or does so for less than two cycles.
+    None if it does not move along it, is unknown, or does so for less than two cycles.
     """
-    return _harmonic(table, "y")
+    places, times = pivot_places(table, axis), table["time"].values
+    ok = np.isfinite(places)
+    if ok.sum() < 16:
+        return None
+    frequency, weights, rest = fitted_harmonic(times[ok], places[ok])
+    amplitude = math.hypot(weights[1], weights[2])
+    if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
+        return None
+    if frequency * float(np.ptp(times[ok])) < 2.0 * math.tau:  # a drift looks like less
+        return None
+    return Harmonic(amplitude, frequency, _waves(times, frequency) @ weights)
 
 
 def pivot_numbers(table: xr.Dataset) -> dict[str, float | None]:
@@ -134,7 +139,7 @@ def pivot_numbers(table: xr.Dataset) -> dict[str, float | None]:
     ``drive_frequency`` and ``sideways_frequency`` [rad/s], None as for `pivot_harmonic`. A track
     bends a large motion up and down a little to the side: that is none.
     """
-    up, aside = pivot_harmonic(table), _harmonic(table, "x")
+    up, aside = pivot_harmonic(table), pivot_harmonic(table, "x")
     if up is not None and aside is not None and aside.amplitude < _ASIDE * up.amplitude:
         aside = None
     return {
@@ -168,21 +173,6 @@ def pivot_text(values: Mapping[str, Any]) -> str:
     if source == "vertical drive":
         parts.append("its axis taken as vertical: the clip shows too little of the swing to tell")
     return unseen_pivot(values) or ", ".join(parts)
-
-
-def _harmonic(table: xr.Dataset, axis: str) -> Harmonic | None:
-    """Return the harmonic of the pivot's motion along an axis, "x" or "y"."""
-    heights, times = _pivot_places(table, axis), table["time"].values
-    ok = np.isfinite(heights)
-    if ok.sum() < 16:
-        return None
-    frequency, weights, rest = fitted_harmonic(times[ok], heights[ok])
-    amplitude = math.hypot(weights[1], weights[2])
-    if amplitude < max(_MOVES * rest, 0.15 * table.attrs.get("metres_per_pixel", 1.0)):
-        return None
-    if frequency * float(np.ptp(times[ok])) < 2.0 * math.tau:  # a drift looks like less
-        return None
-    return Harmonic(amplitude, frequency, _waves(times, frequency) @ weights)
 
 
 def _waves(times: np.ndarray, frequency: float) -> np.ndarray:

@@ -18,8 +18,8 @@ from latolato.experiment.quality import (
     clock_text,
     flag_shares,
     pivot_harmonic,
-    pivot_heights,
     pivot_numbers,
+    pivot_places,
     pivot_text,
     typical_sigma,
 )
@@ -222,7 +222,7 @@ def _pivot_figure(table: xr.Dataset) -> Figure:
     """Draw the pivot's height, its harmonic and the rest."""
     figure, axes = new_figure(2, 1, height=3.2, sharex=True, height_ratios=[2.0, 1.0])
     scale, unit = (1e3, "mm") if table.attrs["geometry"] == "metric" else (1.0, "pixel")
-    times, heights = table["time"].values, scale * pivot_heights(table)
+    times, heights = table["time"].values, scale * pivot_places(table)
     harmonic = pivot_harmonic(table)
     axes[0, 0].plot(times, heights, ".", ms=2, color=BLUE, label="measured")
     rest = heights
