@@ -117,13 +117,12 @@ def _each_alone(
     """Return two balls, each of which was followed about a pivot of its own."""
     tracks: list[Track] = []
     setup = task.setup
-    pivots = setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot
-    for b, pivot in enumerate(pivots):
-        corrections = ((n, 1, u, v) for n, ball, u, v in task.setup.corrections if ball == b + 1)
+    for b, pivot in enumerate(setup.pivots):
+        corrections = ((n, 1, u, v) for n, ball, u, v in setup.corrections if ball == b + 1)
         alone = replace(
-            task.setup,
+            setup,
             pivot=pivot,
-            balls=task.setup.balls[b : b + 1],
+            balls=setup.balls[b : b + 1],
             has_own_pivots=False,
             corrections=tuple(corrections),
         )
@@ -188,15 +187,13 @@ def _followed(
             _check_distances(sample, geometry, route)
 
     def learned(radius: float | None) -> ImageModel:
+        rough = route.radius if is_unseen else None
+        half: float | None = None
         if not is_disc:
             half = 0.5 * setup.patch if setup.patch else ROUND * radius if radius else None
-            half = half or SHARE * geometry.arm(balls)
-            return learn_image_model(
-                video, sample, geometry, balls, radius, route, tell, half=math.ceil(half)
-            )
-        rough = route.radius if is_unseen else None
+            half = math.ceil(half or SHARE * geometry.arm(balls))
         return learn_image_model(
-            video, sample, geometry, balls, radius, route, tell, rough_radius=rough
+            video, sample, geometry, balls, radius, route, tell, rough_radius=rough, half=half
         )
 
     if is_unseen:
@@ -210,8 +207,8 @@ def _followed(
         sizes = {"radius": f"{seen_radius:.0f}", "declared": f"{expected:.1f}"}
         raise broken("other_radius", sizes)
     scene = learned(expected)
-    is_off = expected and abs(scene.look.radius / expected - 1.0) > _doubt(scene)
-    if is_off and is_disc:
+    doubt = TOLERANCE + scene.look.radius_sigma / scene.look.radius
+    if is_disc and expected and abs(scene.look.radius / expected - 1.0) > doubt:
         # A declared radius that is wrong may lead astray: without it more may be explained.
         try:
             free = learned(None)
@@ -230,14 +227,13 @@ def _followed(
 
 def _route(task: Task, sample: Sample) -> Route:
     """Return where the balls of a set-up roughly are in all frames."""
-    setup = task.setup
-    radius, pivots = None, (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
+    setup, radius = task.setup, None
     if setup.radius and setup.length and setup.pivot:
         radius = setup.radius / setup.length * math.dist(setup.balls[0], setup.pivot)
     return find_route(
         sample.copies, sample.times,
         [np.array(ball) for ball in setup.balls], sample.click, radius, sample.repeats,
-        [None if pivot is None else np.array(pivot) for pivot in pivots[: len(setup.balls)]],
+        [None if pivot is None else np.array(pivot) for pivot in setup.pivots],
     )  # fmt: skip
 
 
@@ -399,8 +395,3 @@ def _check_distances(
 def _fault(route: Route, rule: str, values: dict[str, Any]) -> InputError:
     """Return why what was followed is no ball that swings: a rod is none for a simpler reason."""
     return broken("long_and_thin") if route.is_rod else broken(rule, values)
-
-
-def _doubt(scene: ImageModel) -> float:
-    """Return by which share the radius measured may differ from that declared."""
-    return TOLERANCE + scene.look.radius_sigma / scene.look.radius

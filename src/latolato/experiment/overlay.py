@@ -248,8 +248,7 @@ def draw_proposal(
     picture = np.ascontiguousarray(picture_of(frame, video))
     side = min(video.width, video.height)
     line, size = max(1, round(side / 400.0)), radius or 0.03 * side
-    pivots = [setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot]
-    for ball, flag, pivot in zip(setup.balls, ("ok", "occluded"), pivots, strict=False):
+    for ball, pivot, flag in zip(setup.balls, setup.pivots, ("ok", "occluded"), strict=False):
         if pivot is not None:
             _line(picture, pivot, ball, COLOURS[flag], line)
             _cross(picture, np.array(pivot), size, line)

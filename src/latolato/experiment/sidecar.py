@@ -111,6 +111,12 @@ class Setup:
     pivot_2: Place | None = None
     has_own_pivots: bool = False
 
+    @property
+    def pivots(self) -> tuple[Place | None, ...]:
+        """The pivot that each ball swings about, None for one that is not in the picture."""
+        second = self.pivot_2 if self.has_own_pivots else self.pivot
+        return (self.pivot, second)[: len(self.balls)]
+
 
 def sidecar_path(table: str | Path) -> Path:
     """The path of a track table's set-up: ``TABLE.track.toml`` beside it.

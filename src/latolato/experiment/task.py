@@ -170,12 +170,11 @@ def check_count(frames: int) -> None:
 
 def read_task(video: Video, setup: Setup, progress: Progress | None) -> tuple[Video, Sample]:
     """Return a video as a camera at rest would have taken it, and its first reading."""
-    tell = progress and (lambda share: progress(READ * share))
+    tell = part_of(progress, 0.0, READ)
     sample = read_sample(video, tell, setup.click_frame - video.first_frame)
     check_count(len(sample.times))
     hidden = []
-    for k, ball in enumerate(setup.balls):
-        own = setup.pivot_2 if k and setup.has_own_pivots else setup.pivot
+    for ball, own in zip(setup.balls, setup.pivots, strict=True):
         arm = math.dist(ball, own or (0.5 * video.width, 0.0))
         hidden.append(Bar(np.array(ball), np.array(own or ball), _ABOUT * arm))
     return steadied(video, sample, hidden)
@@ -207,8 +206,7 @@ def _checked(setup: Setup, video: Video) -> Setup:
                 f"{name} at ({u:g}, {v:g}) lies outside the frame of {video.width} x "
                 f"{video.height} pixels"
             )
-    pivots = (setup.pivot, setup.pivot_2 if setup.has_own_pivots else setup.pivot)
-    for own, centre in zip(pivots, setup.balls, strict=False):
+    for own, centre in zip(setup.pivots, setup.balls, strict=True):
         if own is not None and math.dist(own, centre) < _APART:
             raise broken("pivot_on_ball", {"least": _APART})
     if len(setup.balls) == 2 and math.dist(setup.balls[0], setup.balls[1]) < _APART:
