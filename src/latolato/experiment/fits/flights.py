@@ -6,7 +6,6 @@ from bisect import bisect_right
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -22,9 +21,9 @@ ROUGH = 6.0
 Pull = Callable[[float], float]
 
 
-def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
-    """A function for (g + y0'')/l [1/s^2] at an instant of the table [s]."""
-    segments = drive.segments(_end_of(drive))
+def pull_of(drive: Drive, origin: float, gravity: float, length: float, last: float) -> Pull:
+    """A function for (g + y0'')/l [1/s^2] at an instant of the table up to its `last` one [s]."""
+    segments = drive.segments(last - origin)
     starts = [segment.start for segment in segments]
     acceleration = drive.acceleration
 
@@ -34,12 +33,6 @@ def pull_of(drive: Drive, origin: float, gravity: float, length: float) -> Pull:
         return float((gravity + acceleration(t, segments[place])) / length)
 
     return pull
-
-
-def _end_of(drive: Any) -> float:
-    """Return an instant up to which all segments of a drive are known [s]."""
-    times = getattr(drive, "times", None)
-    return float(times[-1]) if times is not None and hasattr(drive, "pivot_heights") else 1e9
 
 
 @dataclass(frozen=True)

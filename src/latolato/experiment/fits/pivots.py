@@ -91,7 +91,7 @@ def pivot_for(
         raise InputError("must be a drive, 'measured' or None", parameter="drive", value=drive)
     swings = across and "pivot_x" in table.variables and is_driven(table, length, "pivot_x")
     if not (swings or is_driven(table, length)):
-        return Pivot(FixedPivot(), 0.0, [], "the pivot is at rest")
+        return Pivot(FixedPivot(), origin, [], "the pivot is at rest")
     if drive is None:
         try:
             fit = fit_drive(table, profile=False)

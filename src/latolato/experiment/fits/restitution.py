@@ -117,7 +117,7 @@ def fit_restitution(
     two = len(record.angles) == 2
     first, last = float(record.time[0]), float(record.time[-1])
     moving = pivot_for(drive, table, length, first, last)
-    pull = pull_of(moving.drive, moving.origin, gravity, length)
+    pull = pull_of(moving.drive, moving.origin, gravity, length, last)
     drag = _shared_drag(record, pull)
     contact = 2.0 * math.asin(min(radius / length, 1.0)) if radius and two else None
 
@@ -139,7 +139,7 @@ def fit_restitution(
     shared = _shift(found, dragged) ** 2
     deviations = np.hypot(deviations, [_shift({t: each}, dragged) for t, each in found.items()])
     for other, weight in moving.others:
-        moved = pull_of(other, moving.origin, gravity, length)
+        moved = pull_of(other, moving.origin, gravity, length, last)
         shared += weight * _shift(found, seen(moved, drag)) ** 2
     pooled = Estimate(pooled.value, math.sqrt(pooled.sigma**2 + shared), "1")
     curves = {
@@ -280,17 +280,11 @@ def _turns(time: Floats, gap: Floats) -> list[float]:
     known = np.flatnonzero(np.isfinite(gap))
     slopes = np.diff(gap[known]) / np.diff(time[known])
     noise = 1.4826 * float(np.median(np.abs(np.diff(slopes)))) + 1e-12
-    turns: list[float] = []
-    sign, place = 0.0, 0
-    for i, slope in enumerate(slopes):
-        # Small slopes are of either sign by noise alone.
-        if abs(slope) < min(noise, _SLOWEST):
-            continue
-        now = math.copysign(1.0, slope)
-        if sign and now != sign:
-            t0, t1 = time[known[place + 1]], time[known[i]]
-            turns.append(float(0.5 * (t0 + t1)))
-        sign, place = now, i
+    # Small slopes are of either sign by noise alone.
+    clear = np.flatnonzero(np.abs(slopes) >= min(noise, _SLOWEST))
+    turned = np.flatnonzero(np.diff(np.sign(slopes[clear])))
+    before, after = time[known[clear[turned] + 1]], time[known[clear[turned + 1]]]
+    turns: list[float] = (0.5 * (before + after)).tolist()
     return turns
 
 
