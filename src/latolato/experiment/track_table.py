@@ -192,7 +192,7 @@ def _of_first(name: str) -> str:
 def write_table(table: xr.Dataset, path: str | Path) -> Path:
     """Write a track table as CSV, Parquet or NetCDF by its suffix and return the path.
 
-    The file is written completely or not at all; see `latolato.io.column_files.write_columns`.
+    The file is written completely or not at all; see `latolato.io.files.save_table`.
 
     Raises
     ------
@@ -202,24 +202,15 @@ def write_table(table: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.core.atomic import atomic_path
-    from latolato.io.column_files import write_columns
-    from latolato.io.files import check_suffix, check_target, save
+    from latolato.io.files import save_table
 
     checked_table(table)
-    path = Path(path)
-    suffix = check_suffix(path, SUFFIXES, "the name of a track table")
-    check_target(path)
-    if suffix == ".nc":
-        return save(table, path)
     columns = {
         name: (table[name].values, table[name].attrs)
         for name in COLUMNS + _OPTIONAL
         if name in table.variables
     }
-    with atomic_path(path) as unfinished:
-        write_columns(columns, table.attrs, unfinished, suffix)
-    return path
+    return save_table(table, columns, path, SUFFIXES, "the name of a track table")
 
 
 def read_table(path: str | Path) -> xr.Dataset:

@@ -189,23 +189,14 @@ def write_trials(trials: xr.Dataset, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.core.atomic import atomic_path
-    from latolato.io.column_files import write_columns
-    from latolato.io.files import check_suffix, check_target, save
+    from latolato.io.files import save_table
 
     checked_trials(trials)
-    path = Path(path)
-    suffix = check_suffix(path, SUFFIXES, "the name of a trial table")
-    check_target(path)
-    if suffix == ".nc":
-        return save(trials, path)
     columns = {
         name: ([_cell(value) for value in trials[name].values.tolist()], trials[name].attrs)
         for name in COLUMNS
     }
-    with atomic_path(path) as unfinished:
-        write_columns(columns, trials.attrs, unfinished, suffix)
-    return path
+    return save_table(trials, columns, path, SUFFIXES, "the name of a trial table")
 
 
 def read_trials(path: str | Path, *, decimal: str | None = None) -> xr.Dataset:

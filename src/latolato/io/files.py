@@ -134,6 +134,30 @@ def save(dataset: xr.Dataset | Record, path: str | Path) -> Path:
     return path
 
 
+def save_table(
+    table: xr.Dataset, columns: Columns, path: str | Path, known: tuple[str, ...], what: str
+) -> Path:
+    """Write a table by the suffix of its name, whole or not at all, and return the path.
+
+    Parameters
+    ----------
+    table : xarray.Dataset
+        What NetCDF holds.
+    columns : Columns
+        What CSV and Parquet hold, below the attributes of the table; see `write_columns`.
+    path, known, what
+        The name, its suffixes, and what it is called; see `check_suffix`.
+    """
+    path = Path(path)
+    suffix = check_suffix(path, known, what)
+    check_target(path)
+    if suffix == ".nc":
+        return save(table, path)
+    with atomic_path(path) as unfinished:
+        write_columns(columns, table.attrs, unfinished, suffix)
+    return path
+
+
 def is_sweep(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is that of a sweep, whole: not a part, nor an analysis of one."""
     from latolato.sweeps.long_table import is_whole
