@@ -75,25 +75,20 @@ def sets_of(amplitude: Any, sigma: Any = None) -> list[str]:
     return [f"set {number}" for number in numbers]
 
 
-def cohen_kappa(one: Any, other: Any) -> Any:
+def cohen_kappa(one: Any, other: Any) -> float:
     """Return Cohen's kappa of two classifications: 1 if they agree, 0 if by chance only.
-
-    Along the last axis.
 
     Examples
     --------
-    >>> one, other = [[0, 0, 1, 1], [0, 1, 0, 1]], [[0, 0, 1, 1], [0, 0, 1, 1]]
-    >>> cohen_kappa(one, other).tolist()
-    [1.0, 0.0]
+    >>> cohen_kappa([0, 0, 1, 1], [0, 0, 1, 1]), cohen_kappa([0, 1, 0, 1], [0, 0, 1, 1])
+    (1.0, 0.0)
     """
     one, other = np.asarray(one), np.asarray(other)
-    agreed = np.mean(one == other, axis=-1)
-    chance = np.asarray(
-        sum(np.mean(one == k, axis=-1) * np.mean(other == k, axis=-1) for k in range(3))
-    )
-    has_one_class = chance >= 1.0
-    rest = np.where(has_one_class, 1.0, 1.0 - chance)
-    return np.where(has_one_class, agreed == 1.0, (agreed - chance) / rest)
+    agreed = float(np.mean(one == other))
+    chance = float(sum(np.mean(one == k) * np.mean(other == k) for k in range(3)))
+    if chance >= 1.0:  # both put all into one class, the same
+        return 1.0
+    return (agreed - chance) / (1.0 - chance)
 
 
 def turning_points(

@@ -169,7 +169,7 @@ def _agreement(
     binomial = math.sqrt(max(share * (1.0 - share), 1.0 / (4.0 * n * n)) / n)
     table = np.zeros((3, 3), dtype=np.int64)
     np.add.at(table, (measured, computed), 1)
-    kappa = float(cohen_kappa(measured, computed))
+    kappa = cohen_kappa(measured, computed)
     return {
         "agrees": plain("trial", agrees.astype(np.int8), "whether both classes agree (1) or not"),
         "agreement": plain((), share, "share of trials whose class is the map's"),
