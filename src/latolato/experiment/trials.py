@@ -379,9 +379,7 @@ def _measured_samples(table: xr.Dataset, ball: int) -> tuple[Floats, Floats, Flo
     good = np.isfinite(angle) & np.isin(flag, MEASURED)
     if good.sum() < 8:
         raise broken("few_frames", {"ball": ball, "count": good.sum()})
-    sigma = table[f"angle_sigma_{ball}"].values[good]
-    known = np.isfinite(sigma) & (sigma > 0.0)
-    sigma = filled(sigma) if known.any() else np.full(good.sum(), noise_of(angle[good]))
+    sigma = filled(table[f"angle_sigma_{ball}"].values[good], noise_of(angle[good]))
     return time[good], angle[good], sigma, flag[good]
 
 

@@ -42,7 +42,6 @@ _ROUNDING, _TAKES_PART = 1e-12, 0.1
 # Parameters that messages name.
 _LISTED = 4
 _ROUNDS = 2
-# What may help a fit that fails.
 
 
 class ConvergenceError(InputError):
@@ -428,21 +427,15 @@ def whitened(data: Data, mask: NDArray[np.bool_], rho: float) -> Callable[[Float
 
 def links_of(data: Data) -> tuple[Floats, NDArray[np.bool_]]:
     """Return how late samples follow the one before, over the typical time, and if in a series."""
-    inside = data.series[1:] == data.series[:-1]
-    spacing = _spacing(data.times, data.series)
-    return np.maximum(np.diff(data.times), 0.0) / spacing, inside
-
-
-def _spacing(times: Floats, series: NDArray[np.int64]) -> float:
-    """Return the typical time between samples [s]."""
-    inside = series[1:] == series[:-1]
-    return float(np.median(np.diff(times)[inside])) if inside.any() else 1.0
+    inside, steps = data.series[1:] == data.series[:-1], np.diff(data.times)
+    typical = float(np.median(steps[inside])) if inside.any() else 1.0
+    return np.maximum(steps, 0.0) / typical, inside
 
 
 def correlation_of(data: Data, errors: Floats) -> float:
     """Return the correlation of errors one typical sample apart, none for a negative one."""
-    inside = data.series[1:] == data.series[:-1]
-    near = inside & (np.diff(data.times) < 1.6 * _spacing(data.times, data.series))
+    late, inside = links_of(data)
+    near = inside & (late < 1.6)
     if near.sum() < 8:
         return 0.0
     a, b = errors[1:][near], errors[:-1][near]

@@ -359,13 +359,12 @@ def _longest(
             break
         span = level if level < duration else math.inf
         begins = window_starts(data, span, int(data.series.max()))
-        model = WindowedModel(data, laws, shared, begins, origin)
         states = None
         if best is not None:
             solution, before = best
             shared = {name: solution.guesses[name] for name in shared}
-            model = WindowedModel(data, laws, shared, begins, origin)
             states = before.states_at(solution.values, begins)
+        model = WindowedModel(data, laws, shared, begins, origin)
         try:
             trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
         except ConvergenceError:

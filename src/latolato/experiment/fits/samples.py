@@ -130,10 +130,10 @@ def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.b
     return chosen
 
 
-def filled(sigma: Floats) -> Floats:
-    """Return uncertainties with unknown ones replaced by the median, by 1 if none is known."""
+def filled(sigma: Floats, otherwise: float = 1.0) -> Floats:
+    """Return uncertainties with unknown ones replaced by the median, by `otherwise` without any."""
     known = np.isfinite(sigma) & (sigma > 0.0)
-    typical = float(np.median(sigma[known])) if known.any() else 1.0
+    typical = float(np.median(sigma[known])) if known.any() else otherwise
     return np.where(known, sigma, typical)
 
 

@@ -29,7 +29,7 @@ SPARSE = 12
 _ALTERNATE, _SMOOTH = 0.95, 0.2
 # The longest time without a sample in a half swing, which is pi.
 _HOLE = 1.2
-# The least share of a multiple that is fitted, and the widest swing that has any.
+# The least share of a multiple that is fitted, and the widest swing that has a period [rad].
 _SHARE_SEEN, _WIDEST = 1e-4, 3.1
 # What a sine may leave of a swing, as a share of its scatter.
 _SINE = 0.7
@@ -185,7 +185,7 @@ def period_factor(amplitude: float) -> float:
     """Return the period of a pendulum over that of small swings, 2 K(sin(amplitude/2))/pi."""
     from scipy.special import ellipk
 
-    return float(ellipk(math.sin(0.5 * min(abs(amplitude), 3.1)) ** 2)) * 2.0 / math.pi
+    return float(ellipk(math.sin(0.5 * min(abs(amplitude), _WIDEST)) ** 2)) * 2.0 / math.pi
 
 
 @lru_cache(maxsize=1)
