@@ -327,7 +327,7 @@ def _by_envelope(
     """
     profiles = ("decay_rate",) if profile else ()
     try:
-        solution = fit_envelope(swings, first["angle_offset"], profiles, aside)
+        solution = fit_envelope(swings, first["angle_offset"], aside, profiles)
     except InputError as error:
         if equation is None:
             raise

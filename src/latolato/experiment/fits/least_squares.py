@@ -33,7 +33,7 @@ OUTLIER = 6.0
 # Correlations up to this size are kept; beyond, a series is a random walk.
 MOST_CORRELATION = 0.99
 # Standard deviations of a prior within which a value is believed.
-_FAR = 3.0
+FAR = 3.0
 # Information of the samples over that of a prior which rounding and linearity leave meaningful.
 _HARDLY = 1e-8
 # Information on a combination of parameters, over that on the best known one, which may be
@@ -180,12 +180,6 @@ class Solution:
         return sum(guess.surprise**2 for guess in self.guesses.values())
 
     @property
-    def beyond_priors(self) -> dict[str, float]:
-        """Those that are beyond three deviations of their priors, in deviations."""
-        off = {name: guess.surprise for name, guess in self.guesses.items()}
-        return {name: size for name, size in off.items() if abs(size) > _FAR}
-
-    @property
     def contradicted(self) -> dict[str, float]:
         """Priors more than three deviations off what the samples alone say, in deviations.
 
@@ -197,7 +191,7 @@ class Solution:
             / math.hypot(own.sigma, self.guesses[name].prior)
             for name, own in self.own.items()
         }
-        return {name: size for name, size in off.items() if abs(size) > _FAR}
+        return {name: size for name, size in off.items() if abs(size) > FAR}
 
     @property
     def quality(self) -> dict[str, Any]:

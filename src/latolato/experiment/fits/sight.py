@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution
+from latolato.experiment.fits.least_squares import FAR, Data, Floats, Guess, Solution
 from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.rules import said
 
@@ -127,8 +127,9 @@ class Sight:
 def pivot_doubt(solution: Solution) -> Adequacy | None:
     """Return the doubt in a fit whose pivot is far from its place in the table, None without."""
     for name, rule in ((ABOVE, "pivot_above"), (ASIDE, "pivot_beside")):
-        if name in solution.beyond_priors:
-            share, times = abs(solution.values[name]), abs(solution.beyond_priors[name])
+        guess = solution.guesses.get(name)
+        if guess is not None and abs(guess.surprise) > FAR:
+            share, times = abs(guess.value), abs(guess.surprise)
             return Adequacy(said(rule, share=share, times=times), "pivot")
     return None
 

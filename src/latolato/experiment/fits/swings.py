@@ -218,8 +218,8 @@ def amplitude_of(effective: Floats) -> Floats:
 def fit_envelope(
     swings: Swings,
     offset: float,
-    profiles: tuple[str, ...] = (),
-    nuisances: Mapping[str, Guess] | None = None,
+    nuisances: Mapping[str, Guess],
+    profiles: tuple[str, ...],
 ) -> Solution:
     """Return the decay of the turning points.
 
@@ -233,10 +233,10 @@ def fit_envelope(
         Turning points.
     offset : float
         First guess of the angle about which it swings [rad].
+    nuisances : mapping of str to Guess
+        The pivot's misplacement (`latolato.experiment.fits.sight`).
     profiles : tuple of str
         Parameters whose 95 percent interval is profiled.
-    nuisances : mapping of str to Guess, optional
-        The pivot's misplacement (`latolato.experiment.fits.sight`).
 
     Raises
     ------
@@ -257,7 +257,7 @@ def fit_envelope(
         "effective": Guess(math.exp(height), 0.0),
         "decay_rate": Guess(max(-slope, 1e-4)),
         "angle_offset": Guess(offset),
-        **(nuisances or {}),
+        **nuisances,
     }
 
     def model(p: Mapping[str, float]) -> Floats:
