@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from itertools import pairwise
 from statistics import NormalDist
 from typing import Any
 
@@ -64,14 +63,10 @@ def sets_of(amplitude: Any, sigma: Any = None) -> list[str]:
     amplitude = np.asarray(amplitude, dtype=float)
     sigma = np.zeros_like(amplitude) if sigma is None else np.nan_to_num(sigma)
     order = np.argsort(amplitude, kind="stable")
+    sizes, unsure = amplitude[order], sigma[order]
+    same = np.maximum(_SAME * sizes[:-1], _SAME_SIGMAS * np.hypot(unsure[:-1], unsure[1:]))
     numbers = np.ones(len(amplitude), dtype=int)
-    number = 1
-    for before, after in pairwise(order):
-        apart = max(
-            _SAME * amplitude[before], _SAME_SIGMAS * math.hypot(sigma[before], sigma[after])
-        )
-        number += int(amplitude[after] - amplitude[before] > apart)
-        numbers[after] = number
+    numbers[order[1:]] += np.cumsum(np.diff(sizes) > same)
     return [f"set {number}" for number in numbers]
 
 

@@ -18,7 +18,7 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
 from latolato.experiment.rules import broken, said
-from latolato.experiment.track_table import MEASURED, balls_of, checked_table
+from latolato.experiment.track_table import MEASURED, SUFFIXES, balls_of, checked_table
 from latolato.experiment.trial_statistics import (
     class_of,
     is_borderline,
@@ -38,7 +38,6 @@ if TYPE_CHECKING:
 
     from latolato.experiment.fits.least_squares import Floats
 
-TABLES = (".csv", ".parquet", ".nc")
 VIDEOS = (".mp4", ".mov", ".m4v", ".avi", ".mkv", ".webm")
 # Part of a record that is its last one where no transient is named.
 _LAST = 1.0 / 3.0
@@ -285,9 +284,9 @@ def files_of(sources: Sequence[Any]) -> list[Any]:
             continue
         path = checked_path("source", source)
         if path.is_dir():
-            every = sorted(p for p in path.rglob("*") if p.suffix.lower() in (*TABLES, *VIDEOS))
+            every = sorted(p for p in path.rglob("*") if p.suffix.lower() in (*SUFFIXES, *VIDEOS))
             # A track table beside a video of its name takes the video's place.
-            known = {_stem(p) for p in every if p.suffix.lower() in TABLES and _is_track(p)}
+            known = {_stem(p) for p in every if p.suffix.lower() in SUFFIXES and _is_track(p)}
             inside = [
                 p
                 for p in every
