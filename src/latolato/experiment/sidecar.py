@@ -13,11 +13,11 @@ from pathlib import Path
 from typing import Any, Final, Literal
 
 from latolato.core.errors import InputError, reading
-from latolato.core.quantities import ANY, NON_NEGATIVE, Range
-from latolato.core.registry import checked_count, checked_number, suggest
+from latolato.core.quantities import NON_NEGATIVE, Range
+from latolato.core.registry import checked_count, suggest
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
-from latolato.experiment.parameters import CLIP, LOOK, SHAPES
+from latolato.experiment.parameters import CLIP, LOOK, SHAPES, VIDEO_PARAMETERS
 from latolato.experiment.rules import broken
 from latolato.experiment.video import Limits, digest_of
 from latolato.physics.pendulum import GRAVITY
@@ -88,6 +88,11 @@ class Setup:
         [pixels], as set by hand.
     is_proposed : bool
         Whether pivot and balls were found in the video instead of pointed at.
+
+    Raises
+    ------
+    InputError
+        For a place that is none, and a number that is out of its range.
     """
 
     pivot: Place | None
@@ -110,6 +115,12 @@ class Setup:
     is_proposed: bool = False
     pivot_2: Place | None = None
     has_own_pivots: bool = False
+
+    def __post_init__(self) -> None:
+        for name, check in _CHECKS.items():
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, check(value))
 
     @property
     def pivots(self) -> tuple[Place | None, ...]:
@@ -228,27 +239,26 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         if not isinstance(table, Mapping):
             raise InputError("must be a table", parameter=name)
         _check_names(f"{name}.", table, known)
-        for key, value in table.items():
-            check = _CHECKS.get(key) or partial(_checked_number, f"{name}.{key}")
-            values[key] = check(value)
+        values |= table
 
-    def part_of(kind: type) -> Any:
+    def popped(kind: type) -> Any:
         """Return the optics or the limits."""
         return kind(**{f.name: values.pop(f.name) for f in fields(kind) if f.name in values})
 
-    has_own_pivots = values.pop("own_pivots", False)
-    if len(values.get("balls", ())) not in (1, 2):
-        raise InputError("geometry.balls must hold one place or two")
-    if has_own_pivots and len(values["balls"]) != 2:
-        raise InputError("geometry.own_pivots needs two balls")
-    return Setup(
+    setup = Setup(
         pivot=values.pop("pivot", None),
-        has_own_pivots=has_own_pivots,
-        is_proposed=values.pop("proposed", False),
-        optics=part_of(Optics),
-        limits=part_of(Limits),
+        balls=values.pop("balls", ()),
+        has_own_pivots=bool(values.pop("own_pivots", False)),
+        is_proposed=bool(values.pop("proposed", False)),
+        optics=popped(Optics),
+        limits=popped(Limits),
         **values,
     )
+    if len(setup.balls) not in (1, 2):
+        raise InputError("geometry.balls must hold one place or two")
+    if setup.has_own_pivots and len(setup.balls) != 2:
+        raise InputError("geometry.own_pivots needs two balls")
+    return setup
 
 
 def _check_names(where: str, table: Mapping[str, Any], known: tuple[str, ...]) -> None:
@@ -306,25 +316,26 @@ def checked_region(value: Any) -> tuple[float, float, float, float]:
     return left, top, right, bottom
 
 
-def _checked_number(name: str, value: Any) -> float:
-    return checked_number(name, value, ANY, "1")
+def _checked_list(check: Callable[[Any], Any], name: str, values: Any) -> tuple[Any, ...]:
+    """Return several places or corrections, each checked."""
+    if isinstance(values, str) or not isinstance(values, Collection):
+        raise InputError("must be a list", parameter=name, value=values)
+    return tuple(check(value) for value in values)
 
 
-# Checks of the values that are no numbers, or have a range of their own.
+# Checks of the values of a set-up that are not None.
 _CHECKS: dict[str, Callable[[Any], Any]] = {
-    **{one.name: one.checked for one in (*CLIP, *LOOK)},
+    **{
+        name: parameter.checked
+        for name, parameter in VIDEO_PARAMETERS.items()
+        if name in Setup.__dataclass_fields__
+    },
+    "pivot": partial(checked_place, "pivot"),
+    "pivot_2": partial(checked_place, "pivot"),
+    "balls": partial(_checked_list, partial(checked_place, "ball"), "balls"),
     "region": checked_region,
-    "pivot": partial(checked_place, "geometry.pivot"),
-    "pivot_2": partial(checked_place, "geometry.pivot_2"),
-    "own_pivots": bool,
-    "balls": lambda value: tuple(
-        checked_place("geometry.balls", ball) for ball in (value if isinstance(value, list) else ())
-    ),
-    "corrections": lambda value: tuple(checked_correction(one) for one in value),
     "stick": checked_stick,
-    "proposed": bool,
-    "pixels": lambda value: int(_checked_number("limits.pixels", value)),
-    "frames": lambda value: int(_checked_number("limits.frames", value)),
+    "corrections": partial(_checked_list, checked_correction, "corrections"),
 }
 
 

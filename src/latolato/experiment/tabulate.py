@@ -213,9 +213,7 @@ def _declared(task: Task, geometry: str) -> dict[str, Any]:
         "slow_motion": setup.slow_motion,
         "capture_rate": clock.capture_rate if is_other else None,
         "shown_rate": clock.shown_rate if is_other else None,
-        "row_time": setup.optics.row_time,
-        "lens_k1": setup.optics.lens_k1,
-        "lens_k2": setup.optics.lens_k2,
+        **vars(setup.optics),
         "proposed": int(setup.is_proposed),
         **clicks,
     }

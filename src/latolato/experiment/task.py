@@ -12,7 +12,6 @@ from typing import Any, Literal
 import numpy as np
 
 from latolato.core.errors import InputError, Sentence, reading
-from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.rules import broken, place_text
 from latolato.experiment.sidecar import (
     OUTSIDE,
@@ -64,9 +63,7 @@ def prepare(
     progress: Progress | None = None,
 ) -> Task:
     """The tracking task, set up by the arguments, by a sidecar, or as found in the video."""
-    for name, value in settings.items():
-        if value is not None and name in VIDEO_PARAMETERS:
-            VIDEO_PARAMETERS[name].checked(value)
+    declared = with_changes(Setup(pivot=None, balls=()), settings)
     clicks = None if isinstance(balls, int) or balls is None else list(balls)
     count = balls if isinstance(balls, int) else len(clicks) if clicks else None
     if count is not None and count not in (1, 2):
@@ -97,13 +94,8 @@ def prepare(
             messages = [proposal_text(setup)] if setup.is_proposed else []
             return Task(video, _checked(setup, video), warnings=messages, setup_file=Path(sidecar))
         pivots = own or (None if pivot is None else _checked_pivot(pivot), None)
-        setup = Setup(
-            pivot=pivots[0],
-            pivot_2=pivots[1],
-            has_own_pivots=bool(own),
-            balls=tuple(checked_place("ball", ball) for ball in clicks or ()),
-        )
-        setup = with_changes(setup, settings)
+        pointed_at = {"pivot": pivots[0], "pivot_2": pivots[1], "balls": clicks}
+        setup = with_changes(declared, {**pointed_at, "has_own_pivots": bool(own)})
         video = _video_of(path, setup, settings.get("slow_motion"))
         setup = replace(setup, slow_motion=video.slow_motion)
         if settings.get("click_frame") is None:

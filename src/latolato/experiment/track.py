@@ -15,12 +15,7 @@ from latolato.core.errors import Sentence, reading
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.follow import PathOnly, follow
 from latolato.experiment.rules import said
-from latolato.experiment.sidecar import (
-    checked_correction,
-    checked_region,
-    checked_stick,
-    write_sidecar,
-)
+from latolato.experiment.sidecar import write_sidecar
 from latolato.experiment.tabulate import angle_table, path_table
 from latolato.experiment.task import Pivot, Place, Progress, Task, prepare, read_task
 from latolato.experiment.track_table import MEASURED, balls_of
@@ -170,15 +165,15 @@ def track(
         "start": start,
         "end": end,
         "click_frame": click_frame,
-        "region": None if region is None else checked_region(region),
+        "region": region,
         "length": length,
         "radius": radius,
-        "stick": None if stick is None else checked_stick(stick),
+        "stick": stick,
         "stick_length": stick_length,
         "shape": shape,
         "patch": patch,
         "corrections": tuple(
-            checked_correction((frame, ball, *place))
+            (frame, ball, *place)
             for frame, places in (corrections or {}).items()
             for ball, place in places.items()
         ),

@@ -10,6 +10,7 @@ from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from fractions import Fraction
 from itertools import chain
+from numbers import Real
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -76,7 +77,7 @@ class Limits:
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
-            if not value > 0.0:
+            if not (isinstance(value, Real) and float(value) > 0.0):
                 raise InputError("must be positive", parameter=name, value=value)
 
     def check(self, name: str, value: float, found: Sentence) -> None:
@@ -270,7 +271,7 @@ def open_video(
     path = Path(path)
     limits = limits or Limits()
     if slow_motion is not None:
-        checked_number("slow_motion", slow_motion, POSITIVE, "1")
+        slow_motion = checked_number("slow_motion", slow_motion, POSITIVE, "1")
     with reading(path):
         _check_file(path)
         with _opened(path) as container:
