@@ -21,7 +21,7 @@ from latolato.experiment.comparison.uncertainties import (
     plain,
     variable,
 )
-from latolato.experiment.fits.least_squares import Data, Solution, solve
+from latolato.experiment.fits.least_squares import Data, Solution
 from latolato.experiment.fits.pivots import measured_motion
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.windows import WindowedModel
@@ -120,7 +120,7 @@ def compare_motion(
 
     early = _early(data, first + span)
     model = motion(system, early)
-    solution = solve(model, model.guesses(), early, jacobian=model.jacobian)
+    solution = model.solved(model.guesses())
     whole = motion(system, data)
     if np.isnan(whole.motion(solution.values)).any():
         raise InputError("the computed motion does not reach the end of the record")

@@ -292,19 +292,12 @@ def _by_equation(
         sentences += _law_verdict(laws, chosen)
     if chosen != law:
         sentences.append(said("lost_law", law=Word(law), chosen=Word(chosen)))
-    curves: dict[str, tuple[str, Any]] = {}
+    curves = solution.curves(data, "angle")
     if laws:
         curves |= {
             "law": ("law", np.array(list(laws))),
             "law_bic": ("law", np.array([s.bayes for s in laws.values()])),
         }
-    curves |= {
-        "time": ("sample", data.times),
-        "angle": ("sample", data.values),
-        "angle_fit": ("sample", solution.curve),
-        "angle_residual": ("sample", solution.residuals),
-        "is_outlier": ("sample", ~solution.kept),
-    }
     attributes = solution.quality | {"chi_square": solution.chi_square, "law": chosen}
     return _Part(estimates, curves, attributes, sentences, adequacy)
 
@@ -630,8 +623,8 @@ def _equation_verdict(
                 share = said("times_what", ratio=1.0 / (1.0 + away))
             words.append(said("declared_length", length=body.length, share=share))
     words += size_questions(estimates, "length")
-    if (~solution.kept).any():
-        words.append(said("outliers", count=int((~solution.kept).sum())))
+    if solution.outliers:
+        words.append(said("outliers", count=solution.outliers))
     return words
 
 

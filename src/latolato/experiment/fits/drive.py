@@ -198,11 +198,8 @@ def fit_drive(
     if even is not None:
         words.append(_alias_words(solution.values["drive_frequency"] / math.tau, even))
     curves = {
+        **solution.curves(data, "pivot_height"),
         "time": ("sample", origin + data.times),
-        "pivot_height": ("sample", data.values),
-        "pivot_height_fit": ("sample", solution.curve),
-        "pivot_height_residual": ("sample", solution.residuals),
-        "is_outlier": ("sample", ~solution.kept),
         "harmonic": ("harmonic", np.array(_OVERTONES)),
         "harmonic_amplitude": ("harmonic", np.abs(overtones)),
         "harmonic_amplitude_sigma": ("harmonic", np.full(len(overtones), overtone_sigma)),

@@ -13,12 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, quantity_field
 from latolato.experiment.fits.adequacy import cost, solutions_of
-from latolato.experiment.fits.least_squares import (
-    Data,
-    Guess,
-    Solution,
-    solve,
-)
+from latolato.experiment.fits.least_squares import Data, Guess, Solution
 from latolato.experiment.fits.samples import noise_of, steps_over_gap
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
@@ -109,7 +104,7 @@ def fit_equation(
 
     model = WindowedModel(data, laws, guesses, data.times[:1], 0.0)
     state = np.array([[[first[name] for name in START]]])
-    return solve(model, model.guesses(state), data, jacobian=model.jacobian, **options)
+    return model.solved(model.guesses(state), **options)
 
 
 def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:

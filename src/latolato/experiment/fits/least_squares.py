@@ -194,13 +194,31 @@ class Solution:
         return {name: size for name, size in off.items() if abs(size) > FAR}
 
     @property
+    def outliers(self) -> int:
+        """How many samples were left out."""
+        return int((~self.kept).sum())
+
+    def curves(self, data: Data, name: str) -> dict[str, tuple[str, Any]]:
+        """Return the samples that were fitted and what was found, as variables of a fit.
+
+        `name` is that of the quantity that was measured.
+        """
+        return {
+            "time": ("sample", data.times),
+            name: ("sample", data.values),
+            f"{name}_fit": ("sample", self.curve),
+            f"{name}_residual": ("sample", self.residuals),
+            "is_outlier": ("sample", ~self.kept),
+        }
+
+    @property
     def quality(self) -> dict[str, Any]:
         """How good it is, by its residuals: attributes of a fit."""
         return {
             "scatter": self.scatter,
             "autocorrelation": self.correlation,
             "effective_samples": self.effective_samples,
-            "outliers": int((~self.kept).sum()),
+            "outliers": self.outliers,
         }
 
     @property

@@ -21,7 +21,6 @@ from latolato.experiment.fits.least_squares import (
     Floats,
     Guess,
     Solution,
-    solve,
 )
 from latolato.experiment.fits.pivots import Pivot, measured_motion
 from latolato.experiment.fits.registry import FitKind, fits
@@ -118,9 +117,9 @@ def fit_model(
     (`latolato.experiment.fits.sight`).
     """
     found = described(table, system, drive, vary, ball=ball, start=start, end=end, window=window)
-    names, data, model, solution = found.names, found.data, found.model, found.solution
+    names, model, solution = found.names, found.model, found.solution
     if profile:
-        solution = solve(model, solution.guesses, data, jacobian=model.jacobian, profiles=names)
+        solution = model.solved(solution.guesses, profiles=names)
     widening, bent, unknown = _by_pivots(found)
     estimates = {
         name: own.widened(math.hypot(own.sigma, widening[name]))
@@ -191,12 +190,8 @@ class Described:
         """Measured and fitted angles, as variables of a fit."""
         data, solution = self.data, self.solution
         return {
-            "time": ("sample", data.times),
+            **solution.curves(data, "angle"),
             "ball_number": ("sample", data.series),
-            "angle": ("sample", data.values),
-            "angle_fit": ("sample", solution.curve),
-            "angle_residual": ("sample", solution.residuals),
-            "is_outlier": ("sample", ~solution.kept),
             "window_start": ("window", np.array([w.begin for w in self.model.windows])),
         }
 
@@ -366,7 +361,7 @@ def _longest(
             states = before.states_at(solution.values, begins)
         model = WindowedModel(data, laws, shared, begins, origin)
         try:
-            trial = solve(model, model.guesses(states), data, jacobian=model.jacobian)
+            trial = model.solved(model.guesses(states))
         except ConvergenceError:
             if best is None:
                 raise
@@ -398,7 +393,7 @@ def _by_pivots(found: Described) -> tuple[dict[str, float], list[Floats], int]:
     for laws, weight in found.others:
         moved = WindowedModel(data, laws, shared, begins, model.origin)
         try:
-            trial = solve(moved, solution.guesses, data, jacobian=moved.jacobian, like=solution)
+            trial = moved.solved(solution.guesses, like=solution)
         except ConvergenceError:
             lost += 1
             continue
@@ -453,6 +448,6 @@ def _verdict(
         words.append(said("lost_one_piece" if lost == 1 else "lost_pieces", count=lost))
     if unknown:
         words.append(said("lost_pivots", count=unknown))
-    if not solution.kept.all():
-        words.append(said("outliers", count=int((~solution.kept).sum())))
+    if solution.outliers:
+        words.append(said("outliers", count=solution.outliers))
     return joined(words)
