@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.atomic import atomic_path
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.calibration.tilt import tilt_of
 from latolato.experiment.encode import TICKS, write_video
@@ -18,6 +19,7 @@ from latolato.experiment.sidecar import Setup
 from latolato.experiment.track_table import balls_of, has_own_pivots
 from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
+from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -105,9 +107,6 @@ def write_overlay(
     progress : callable, optional
         Called with the fraction done, from 0 to 1.
     """
-    from latolato.core.atomic import atomic_path
-    from latolato.io.files import check_suffix
-
     path = Path(path)
     check_suffix(path, (".mp4",), "the name of an overlay")
     even = video.width // 2 * 2, video.height // 2 * 2
@@ -237,9 +236,6 @@ def draw_proposal(
     video: Video, setup: Setup, path: str | Path, radius: float | None = None
 ) -> Path:
     """Write the clicked frame with pivot and balls marked as PNG and return the path."""
-    from latolato.core.atomic import atomic_path
-    from latolato.io.files import check_suffix
-
     path = Path(path)
     check_suffix(path, (".png",), "the name of a picture")
     whole = replace(video, start=-math.inf, end=math.inf)

@@ -12,6 +12,7 @@ from numbers import Real
 from pathlib import Path
 from typing import Any, Final, Literal
 
+from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, Range
 from latolato.core.registry import checked_count, suggest
@@ -163,8 +164,6 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
     OSError
         If the file cannot be written.
     """
-    from latolato.core.atomic import atomic_path
-
     values = {
         **vars(setup),
         **asdict(setup.optics),

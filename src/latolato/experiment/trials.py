@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import multiprocessing
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from concurrent.futures import BrokenExecutor, Executor, ProcessPoolExecutor
@@ -16,9 +17,18 @@ from latolato.core.errors import InputError, joined
 from latolato.core.faults import line_of
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_count, checked_number
+from latolato.experiment.fits.drive import fit_drive
+from latolato.experiment.fits.result import size_questions
 from latolato.experiment.fits.samples import filled, length_of, noise_of, within
+from latolato.experiment.importing import is_track_file, read_measured
 from latolato.experiment.rules import broken, said
-from latolato.experiment.track_table import MEASURED, SUFFIXES, balls_of, checked_table
+from latolato.experiment.track_table import (
+    MEASURED,
+    SUFFIXES,
+    balls_of,
+    checked_table,
+    read_table,
+)
 from latolato.experiment.trial_statistics import (
     class_of,
     is_borderline,
@@ -88,9 +98,6 @@ def trial_of(
     another record of the same motion. Angles that the tracker predicted do not count. If the
     frequency has steps, the drive is that of the last stage.
     """
-    from latolato.experiment.fits.drive import fit_drive
-    from latolato.experiment.fits.result import size_questions
-
     checked_table(table, "pivot_y", "angle_1")
     gravity = checked_number("gravity", gravity, POSITIVE, "m/s^2")
     length = length_of(table, length)
@@ -311,9 +318,6 @@ def _stem(path: Path) -> tuple[Path, str]:
 
 def _is_track(path: Path) -> bool:
     """Return whether a file says that it is a track table."""
-    from latolato.experiment.importing import is_track_file
-    from latolato.experiment.track_table import read_table
-
     if path.suffix.lower() == ".csv":
         return is_track_file(path)
     try:
@@ -331,8 +335,6 @@ def _rows(
         for file in files:
             yield file, _row(file, of_trial, of_video)
         return
-    import multiprocessing
-
     pool: Executor
     with ProcessPoolExecutor(workers, multiprocessing.get_context("spawn")) as pool:
         waiting = [pool.submit(_row, file, of_trial, of_video) for file in files]
@@ -347,8 +349,6 @@ def _row(
     file: Any, of_trial: Mapping[str, Any], of_video: Mapping[str, Any]
 ) -> dict[str, Any] | str:
     """Return the row of one file, or the reason why there is none."""
-    from latolato.experiment.importing import read_measured
-
     try:
         table = file
         if isinstance(file, Path):

@@ -18,6 +18,7 @@ from latolato.experiment.fits.samples import noise_of, steps_over_gap
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
 from latolato.experiment.fits.windows import START, WindowedModel, motion_at, step_of
+from latolato.experiment.quality import fitted_harmonic
 from latolato.numerics.integrate import Start
 from latolato.physics.drives import FixedPivot
 from latolato.physics.pendulum import Ball, Pendulum
@@ -173,8 +174,6 @@ def portrait(
 
 def guess_of(data: Data, drags: Mapping[str, float]) -> dict[str, float]:
     """Return a first guess of a swing from the best sine, for a few periods of any samples."""
-    from latolato.experiment.quality import fitted_harmonic
-
     late = data.times - data.times[0]
     rate, weights, _ = fitted_harmonic(late, data.values)
     offset, cosine, sine = map(float, weights)

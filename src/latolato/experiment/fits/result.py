@@ -13,13 +13,12 @@ from latolato.core.errors import InputError, Sentence, Word, joined
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Registry, rebuild, suggest
 from latolato.experiment.rules import said
+from latolato.physics.drives import Drive, drives
+from latolato.physics.pendulum import System, systems
 from latolato.simulation.summary import plain
 
 if TYPE_CHECKING:
     import xarray as xr
-
-    from latolato.physics.drives import Drive
-    from latolato.physics.pendulum import System
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
@@ -180,16 +179,12 @@ class Fit:
     @property
     def drive(self) -> Drive | None:
         """The drive that was found or given, None for a pivot at rest."""
-        from latolato.physics.drives import drives
-
         drive: Drive | None = self._law("drive_description", drives)
         return drive
 
     @property
     def system(self) -> System | None:
         """The system with its fitted parameters, None if the fit does not determine all of them."""
-        from latolato.physics.pendulum import systems
-
         system: System | None = self._law("system_description", systems)
         return system
 
@@ -313,12 +308,8 @@ def make_fit(
         if value is not None
     }
     if drive is not None:
-        from latolato.physics.drives import drives
-
         kept["drive_description"] = json.dumps(drives.described(drive))
     if system is not None:
-        from latolato.physics.pendulum import systems
-
         kept["system_description"] = json.dumps(systems.described(system))
     if not adequacy.describes:
         withheld = said("withheld_whole" if adequacy.is_in_record else "withheld")

@@ -13,6 +13,7 @@ import numpy as np
 from latolato.experiment.fits.least_squares import Floats, Guess, Solution, one_series, solve
 from latolato.experiment.fits.samples import noise_of
 from latolato.experiment.fits.sight import Sight, drop_of
+from latolato.experiment.quality import fitted_harmonic
 from latolato.experiment.rules import broken
 
 # A swing must pass zero by so many times the noise, and this share of the largest, to count.
@@ -130,8 +131,6 @@ def _multiples(amplitude: float) -> list[int]:
 
 def samples_per_swing(times: Floats, values: Floats) -> float:
     """Return how many samples there are in a swing, infinity where no sine is seen."""
-    from latolato.experiment.quality import fitted_harmonic
-
     pause = float(np.median(np.diff(times)))
     few = slice(0, 12 * SPARSE)
     centred = values[few] - np.median(values[few])

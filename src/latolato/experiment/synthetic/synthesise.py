@@ -18,8 +18,10 @@ from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.synthetic.scene import Camera, Scene
-from latolato.experiment.track_table import track_table
+from latolato.experiment.track_table import SUFFIXES as TABLES
+from latolato.experiment.track_table import track_table, write_table
 from latolato.experiment.video import digest_of
+from latolato.io import files
 from latolato.io.files import check_suffix
 
 if TYPE_CHECKING:
@@ -159,8 +161,6 @@ def synthesise_video(
     table = film.truth()
     table.attrs.update(source=path.name, source_sha256=digest_of(path), seed=seed)
     if truth is not None:
-        from latolato.experiment.track_table import write_table
-
         write_table(table, truth)
     return table
 
@@ -334,16 +334,13 @@ def _frames(film: Film, progress: Callable[[float], None] | None) -> Iterator[tu
 
 def check_target(path: str | Path, truth: str | Path | None = None) -> None:
     """Raise before any work if a file cannot be written."""
-    from latolato.experiment import track_table as table
-    from latolato.io.files import check_target as check_result
-
     check_suffix(path, SUFFIXES, "the name of a synthetic video")
     check_folder(Path(path))
     import_av()
     import_cv2()
     if truth is not None:
-        check_suffix(truth, table.SUFFIXES, "the name of a track table")
-        check_result(truth)
+        check_suffix(truth, TABLES, "the name of a track table")
+        files.check_target(truth)
 
 
 def frame_stamps(run: xr.Dataset, camera: Camera, seed: int) -> tuple[Any, float]:
