@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import NOT_GIVEN, InputError, reading
-from latolato.core.quantities import QUANTITIES
+from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, suggest
 from latolato.core.rules import broken_rule
 from latolato.experiment.trial_statistics import class_of, is_borderline, sets_of
@@ -160,7 +160,7 @@ def about(name: str) -> dict[str, str]:
     if name in QUANTITIES:
         return QUANTITIES[name].attributes
     words = {**TEXTS, **COUNTS, "trial": "number of the trial"}[name]
-    return {"units": "1", "long_name": words, "symbol": ""}
+    return Quantity("1", "", words).attributes
 
 
 def checked_trials(trials: Any) -> xr.Dataset:

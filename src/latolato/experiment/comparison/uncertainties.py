@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError
-from latolato.core.quantities import NON_NEGATIVE, QUANTITIES
+from latolato.core.quantities import NON_NEGATIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_number, suggest
 from latolato.experiment.trial_statistics import class_of
 from latolato.physics.pendulum import BallPair, LatoLato, System
@@ -36,7 +36,7 @@ def plain(
     dims: str | tuple[str, ...], values: Any, words: str, unit: str = "1"
 ) -> tuple[Any, Any, dict[str, str]]:
     """Return a variable that is no named quantity."""
-    return dims, values, {"units": unit, "long_name": words, "symbol": ""}
+    return dims, values, Quantity(unit, "", words).attributes
 
 
 def checked_sigmas(system: System, sigmas: Mapping[str, Any] | None) -> dict[str, float]:

@@ -274,7 +274,7 @@ def _moved(
     """
     few = data[:: max(1, len(data) // _MOVING)]
 
-    def cost(instant: float) -> float:
+    def misfit(instant: float) -> float:
         early = few.times < instant
         try:
             return deviance(
@@ -283,10 +283,10 @@ def _moved(
         except InputError:
             return math.inf
 
-    best = (cost(at), at)
+    best = (misfit(at), at)
     for share in _MOVES:
         trials = [best[1] + sign * share * shortest for sign in (-1.0, 1.0)]
-        best = min(best, *((cost(each), each) for each in trials))
+        best = min(best, *((misfit(each), each) for each in trials))
     return best[1]
 
 

@@ -14,6 +14,7 @@ import numpy as np
 
 from latolato.core.atomic import atomic_path, check_folder
 from latolato.core.errors import InputError
+from latolato.core.quantities import Quantity
 from latolato.core.registry import describe
 from latolato.experiment.encode import TICKS, import_av, write_video
 from latolato.experiment.opencv import import_cv2
@@ -233,13 +234,11 @@ class Film:
         camera, projection, times = self.camera, renderer.projection, self.times
         (across, height), angles = motion.at(begin + times)
         columns: dict[str, Any] = {"time": times, "pivot_x": across, "pivot_y": height}
+        more: dict[str, Any] = {}
         half = 0.5 * camera.exposure / camera.fps
         moments = begin + times + half * np.linspace(-1.0, 1.0, 33)[:, None]
         touches = _touches(motion, moments)
-        extra = {}
-        clicks: dict[str, float] = {}
-        u, v = projection.in_picture(across[0], height[0])
-        clicks["pivot_pixel_u"], clicks["pivot_pixel_v"] = float(u), float(v)
+        clicked = {"pivot": (across[0], height[0])}
         for i, (x, y) in enumerate(motion.balls(begin + times)):
             angle = angles[i]
             columns[f"ball_{i + 1}_x"], columns[f"ball_{i + 1}_y"] = x, y
@@ -251,12 +250,18 @@ class Film:
             )
             flags = np.where(touches, "collision", "ok")
             columns[f"flag_{i + 1}"] = np.where(hidden > _OCCLUDED, "occluded", flags)
-            extra[f"covered_{i + 1}"] = hidden
-            u, v = projection.in_picture(x[0], y[0])
-            clicks[f"ball_{i + 1}_pixel_u"], clicks[f"ball_{i + 1}_pixel_v"] = float(u), float(v)
+            about = Quantity("1", "", f"hidden part of ball {i + 1}")
+            more[f"covered_{i + 1}"] = ("frame", hidden, about.attributes)
+            clicked[f"ball_{i + 1}"] = x[0], y[0]
         if renderer.scene.is_parked:
-            u, v = projection.in_picture(renderer.scene.parked_x, renderer.scene.parked_y)
-            clicks["parked_pixel_u"], clicks["parked_pixel_v"] = float(u), float(v)
+            clicked["parked"] = renderer.scene.parked_x, renderer.scene.parked_y
+        about = Quantity("1", "", "whether balls touch during the exposure")
+        more["is_contact"] = ("frame", touches, about.attributes)
+        clicks = {
+            f"{name}_pixel_{axis}": float(number)
+            for name, place in clicked.items()
+            for axis, number in zip("uv", projection.in_picture(*place), strict=True)
+        }
         attributes = {
             **{
                 k: v for k, v in run.attrs.items() if isinstance(v, (int, float)) and k != "samples"
@@ -274,17 +279,7 @@ class Film:
             "scene": json.dumps(describe(renderer.scene)),
             "camera": json.dumps(describe(camera)),
         }
-        table = track_table(columns, attributes)
-        for name, values in extra.items():
-            meaning = {"units": "1", "long_name": f"hidden part of ball {name[-1]}", "symbol": ""}
-            table[name] = ("frame", values, meaning)
-        meaning = {
-            "units": "1",
-            "long_name": "whether balls touch during the exposure",
-            "symbol": "",
-        }
-        table["is_contact"] = ("frame", touches, meaning)
-        return table
+        return track_table(columns, attributes).assign(more)
 
 
 def prepare(
