@@ -31,6 +31,7 @@ from latolato.experiment.fits.result import (
     Fit,
     make_fit,
     named,
+    quantity_of,
     size_questions,
 )
 from latolato.experiment.fits.samples import (
@@ -59,6 +60,7 @@ from latolato.experiment.fits.swings import (
     swings_of,
     swings_of_turning_points,
 )
+from latolato.experiment.fits.windows import START
 from latolato.experiment.rules import broken, said
 from latolato.experiment.track_table import checked_table, has_own_pivots, table_of_ball
 from latolato.physics.pendulum import GRAVITY, Pendulum
@@ -535,27 +537,22 @@ def _system(body: Apparatus, estimates: Mapping[str, Estimate]) -> Pendulum | No
 
 def _estimates(body: Apparatus, solution: Solution, terms: Sequence[str]) -> dict[str, Estimate]:
     """Return the estimates under their public names."""
-    rate = solution.estimate("natural_frequency", "rad/s")
+    rate = solution.estimate("natural_frequency")
     length = rate.power(body.gravity, -2, "m")
     estimates: dict[str, Estimate] = {}
     lever = body.length or length.value
     for term in terms:
-        raw = solution.estimate(term, "1/s")
-        unit = {"linear": "kg*m/s", "quadratic": "kg*m", "coulomb": "N"}[term]
+        raw, name = solution.estimate(term, "1/s"), COEFFICIENTS[term]
         if body.mass is not None:
-            estimates[COEFFICIENTS[term]] = raw.scaled(body.mass * lever, unit)
+            estimates[name] = raw.scaled(body.mass * lever, quantity_of(name).unit)
         if term == "linear":
             estimates["decay_rate"] = raw.scaled(0.5, "1/s")
     period = rate.power(math.tau, -1, "s")
     estimates = {"period": period, **estimates, "natural_frequency": rate, "length": length}
     if body.radius is not None:
         estimates["centre_length"] = _centre(body.radius, length)
-    for name, unit in (
-        ("angle_offset", "rad"),
-        ("initial_angle", "rad"),
-        ("initial_angular_velocity", "rad/s"),
-    ):
-        estimates[name] = solution.estimate(name, unit)
+    for name in ("angle_offset", *START):
+        estimates[name] = solution.estimate(name)
     for name in (ASIDE, ABOVE):
         if name in solution.values:
             estimates[name] = solution.estimate(name, "1").scaled(lever, "m")
@@ -566,7 +563,7 @@ def _envelope_estimates(
     body: Apparatus, solution: Solution, length: Estimate | None, first: Mapping[str, float]
 ) -> dict[str, Estimate]:
     """Return the estimates of the envelope."""
-    estimates = {"decay_rate_envelope": solution.estimate("decay_rate", "1/s")}
+    estimates = {"decay_rate_envelope": solution.estimate("decay_rate")}
     if body.mass is not None:
         dynamic = length.value if length else body.gravity / first["natural_frequency"] ** 2
         factor = 2.0 * body.mass * (body.length or dynamic)

@@ -164,10 +164,7 @@ def fit_drive(
     drift: dict[str, Estimate] = {}
     if shape.stages == 1:
         drifting = _fit(data, shape, solution.guesses | _DRIFT) if is_steady else solution
-        drift = {
-            "amplitude_drift": drifting.estimate("amplitude_drift", "m/s"),
-            "frequency_drift": drifting.estimate("frequency_drift", "rad/s^2"),
-        }
+        drift = {name: drifting.estimate(name) for name in _DRIFT}
     _check_cycles(solution, float(np.ptp(data.times)))
     adequacy = _doubt(data, shape, solution, origin, least)
     estimates = _estimates(solution, shape, origin) | drift
@@ -456,19 +453,16 @@ def _fit(data: Data, shape: Shape, guesses: Mapping[str, Guess], **options: Any)
 
 def _estimates(solution: Solution, shape: Shape, origin: float) -> dict[str, Estimate]:
     """Return the estimates under their public names."""
-    estimates = {
-        "drive_amplitude": solution.estimate("drive_amplitude", "m"),
-        "drive_frequency": solution.estimate("drive_frequency", "rad/s"),
-    }
+    estimates = {name: solution.estimate(name) for name in ("drive_amplitude", "drive_frequency")}
     if shape.stages > 1:
         estimates["drive_frequency_final"] = solution.estimate(shape.frequencies[-1], "rad/s")
         estimates["step_time"] = solution.estimate(shape.times[-1], "s").shifted(origin)
-    phase = solution.estimate("drive_phase", "rad")
+    phase = solution.estimate("drive_phase")
     value = math.remainder(phase.value, math.tau)
     estimates["drive_phase"] = Estimate(value, phase.sigma, "rad")
-    for name, unit in (("ramp", "s"), ("crank_ratio", "1")):
+    for name in ("ramp", "crank_ratio"):
         if name in solution.values:
-            estimates[name] = solution.estimate(name, unit)
+            estimates[name] = solution.estimate(name)
     return estimates
 
 

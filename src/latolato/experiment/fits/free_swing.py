@@ -271,13 +271,8 @@ def part_fitter(whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess
 
     def fit_part(part: Data, about: Solution | None = None) -> Solution:
         known = about or whole
-        angle, velocity = state_at(known.values, float(part.times[0]) - known.origin)
-        near = {
-            **drags,
-            **known.values,
-            "initial_angle": angle,
-            "initial_angular_velocity": velocity,
-        }
+        begin = state_at(known.values, float(part.times[0]) - known.origin)
+        near = {**drags, **known.values, **dict(zip(START, begin, strict=True))}
         if about is not None:
             return fit_equation(part, near, terms, aside, limit=_SOON)
         return fit_best(part, near, terms, aside)[0]

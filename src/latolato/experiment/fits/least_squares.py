@@ -20,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.errors import InputError, import_extra
-from latolato.experiment.fits.result import Estimate
+from latolato.experiment.fits.result import Estimate, quantity_of
 from latolato.experiment.rules import broken, listed, said
 
 Floats = NDArray[np.float64]
@@ -158,8 +158,12 @@ class Solution:
         place = self.names.index(name)
         return math.sqrt(self.covariance[place, place])
 
-    def estimate(self, name: str, unit: str) -> Estimate:
-        """Return a parameter with its deviation and its interval, the profile's if there is one."""
+    def estimate(self, name: str, unit: str | None = None) -> Estimate:
+        """Return a parameter with its deviation and its interval, the profile's if there is one.
+
+        Its unit is by default that of the quantity of this name.
+        """
+        unit = quantity_of(name).unit if unit is None else unit
         interval = self.intervals.get(name, (math.nan, math.nan))
         return Estimate(self.values[name], self.sigma(name), unit, *interval)
 

@@ -124,7 +124,7 @@ def fit_model(
     estimates = {
         name: own.widened(math.hypot(own.sigma, widening[name]))
         for name in names
-        for own in [solution.estimate(name, quantity_of(name).unit)]
+        for own in [solution.estimate(name)]
     }
     best, best_drive = found.laws(solution.values)
     verdict = _verdict(estimates, solution, model, found.lost, unknown)
