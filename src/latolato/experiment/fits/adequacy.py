@@ -38,12 +38,14 @@ _GAIN = 6.0
 _BENT = 3e-4
 # Instants at which a change is looked for, and those about the best one, twice as fine each time.
 _PLACES, _FINER = 24, 5
-# Samples in a part for each parameter.
-_FEWEST = 3
+# Fewest samples in a part for each parameter, and periods that it lasts at least.
+_FEWEST, SHORTEST = 3, 2.0
 # What is left out on either side of a change, as a share of the shortest part.
 _CLEAR = 0.1
-# Outliers beyond this share are not mistakes of a tracker.
-_MOST_OUTLIERS = 0.05
+# Outliers beyond this share are not mistakes of a tracker: the model does not follow.
+MOST_OUTLIERS = 0.05
+# A richer model must lower the criterion (BIC) by so much; differences beyond are strong.
+STRONG = 10.0
 # What apparatus does to a swing, as a share of its scatter: angles to a per cent, smoothed samples,
 # a length that changes by a thousandth. The deviations of the numbers include that much.
 SMALL = 1e-2
@@ -378,7 +380,7 @@ def misfit_doubt(whole: Solution, data: Data) -> Adequacy | None:
     # Samples without noise leave the errors of the computation, of which some are far from others.
     lost = ~whole.kept & (np.abs(whole.residuals) > OUTLIER * bent)
     share = float(np.mean(lost))
-    if share <= _MOST_OUTLIERS:
+    if share <= MOST_OUTLIERS:
         noise = max(noise_of(data.values), bent, 1e-12)
         if whole.scatter <= max(_MOST_SCATTER * noise, SMALL * float(np.std(data.values))):
             return None

@@ -15,7 +15,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, Word, joined
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE
 from latolato.core.registry import checked_choice, checked_number, suggest
-from latolato.experiment.fits.adequacy import solutions_of
+from latolato.experiment.fits.adequacy import STRONG, solutions_of
 from latolato.experiment.fits.free_swing import COEFFICIENTS, fit_best, fit_equation, guess_of
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
@@ -76,8 +76,8 @@ _FULLEST_FIRST = sorted(LAWS, key=lambda name: -len(LAWS[name]))
 METHODS = ("both", "equation", "envelope")
 # Angle beyond which nothing swings (half a turn, off its middle).
 _HALF_TURN = 1.2 * math.pi
-# Differences of the criterion below the first say nothing, beyond the second they are strong.
-_WEAK, _STRONG = 2.0, 10.0
+# Differences of the criterion below this say nothing.
+_WEAK = 2.0
 # Samples in a swing below which a faster one may look the same.
 _ALIASED = 4.0
 # What eq13 is off where a swing loses much in a period, as a share.
@@ -634,7 +634,7 @@ def _law_verdict(laws: Mapping[str, Solution], chosen: str) -> list[Sentence]:
     best = order[0]
     ahead = {name: laws[name].bayes - laws[best].bayes for name in order[1:]}
     near = [name for name, gap in ahead.items() if gap < _WEAK]
-    clear = [name for name, gap in ahead.items() if gap >= _STRONG]
+    clear = [name for name, gap in ahead.items() if gap >= STRONG]
     *others, last = [n for n in COEFFICIENTS if n in clear] or [""]
     excluded: str = said("excluded_law", law=Word(last)) if last else ""
     if others:

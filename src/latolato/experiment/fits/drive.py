@@ -16,6 +16,8 @@ from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_count
 from latolato.experiment.fits.adequacy import (
+    SHORTEST,
+    STRONG,
     Kind,
     changes,
     cut_at,
@@ -55,8 +57,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 MOST_STAGES = 4
-# A richer model must lower the criterion by so much.
-_STRONG = 10.0
 # An amplitude below so many times the noise of a sample is a pivot at rest.
 _CLEAR = 3.0
 # Cycles more or fewer that a gap may hold than it seems to.
@@ -75,8 +75,6 @@ _UNEVEN = 0.01
 # Samples that are looked through for a drive faster than half their rate, multiples of that rate
 # which are tried, and what it must leave of the residuals of a slower one.
 _FAST_SAMPLES, _FASTEST, _FAST = 400, 4.0, 0.5
-# Periods on either side of a break.
-_SHORTEST = 2.0
 _KINDS = [
     Kind("phase jump", frozenset({"phase"}), "drive_phase_jump"),
     Kind("change of pace", frozenset({"frequency"}), "drive_pace"),
@@ -425,7 +423,7 @@ def _is_better(trial: Solution, best: Solution) -> bool:
     count = kept.sum() * (1.0 - trial.correlation) / (1.0 + trial.correlation)
     gain = count * math.log(squares[1] / max(squares[0], 1e-300))
     extra = len(trial.names) - len(best.names)
-    return bool(gain - max(extra, 0) * math.log(max(count, 2.0)) >= _STRONG)
+    return bool(gain - max(extra, 0) * math.log(max(count, 2.0)) >= STRONG)
 
 
 def _is_real(solution: Solution, shape: Shape, data: Data) -> bool:
@@ -579,7 +577,7 @@ def _check_cycles(solution: Solution, duration: float) -> None:
 
 def _doubt(data: Data, shape: Shape, solution: Solution, origin: float, least: float) -> Adequacy:
     """Return whether the model describes the height."""
-    shortest = _SHORTEST * math.tau / abs(solution.values["drive_frequency"])
+    shortest = SHORTEST * math.tau / abs(solution.values["drive_frequency"])
     place = place_of_change(data, solution, shortest, 0.5 * least)
     if place is None:
         return misfit_doubt(solution, replace(data, times=data.times + origin)) or Adequacy()

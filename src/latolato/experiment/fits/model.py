@@ -14,7 +14,12 @@ from latolato.core.errors import InputError, Sentence, joined
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
-from latolato.experiment.fits.adequacy import misfit_doubt, place_of_change
+from latolato.experiment.fits.adequacy import (
+    MOST_OUTLIERS,
+    SHORTEST,
+    misfit_doubt,
+    place_of_change,
+)
 from latolato.experiment.fits.least_squares import (
     ConvergenceError,
     Data,
@@ -40,10 +45,6 @@ if TYPE_CHECKING:
 _LEVELS = (2.0, 6.0, 20.0, math.inf)
 # A longer window is taken if the scatter grows by no more than this.
 _GROWTH = 1.15
-# More samples left out than this share: the model does not follow.
-_MOST_OUTLIERS = 0.05
-# Natural periods on either side of a break.
-_SHORTEST = 2.0
 # What a camera may be turned by beyond what the table allows for [rad].
 _TILT = 0.5
 
@@ -370,7 +371,7 @@ def _longest(
         left_out = float(np.mean(~trial.kept))
         if best is not None and (
             trial.scatter > _GROWTH * best[0].scatter
-            or left_out > max(_MOST_OUTLIERS, 1.5 * float(np.mean(~best[0].kept)))
+            or left_out > max(MOST_OUTLIERS, 1.5 * float(np.mean(~best[0].kept)))
         ):
             break
         best = trial, model
@@ -413,7 +414,7 @@ def doubt_of(found: Described, bent: Sequence[Floats]) -> Adequacy:
     few = pivot_doubt(solution) or _prior_doubt(found) or misfit_doubt(solution, data)
     if few is None and len(model.windows) == 1 and model.angles == 1:
         whole = replace(solution, slopes=np.column_stack([solution.slopes, *bent]))
-        place = place_of_change(data, whole, _SHORTEST * found.period)
+        place = place_of_change(data, whole, SHORTEST * found.period)
         if place is not None:
             at = float(data.times[place])
             return Adequacy(said("changed_model", time=at), "change", at)

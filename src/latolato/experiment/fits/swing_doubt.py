@@ -11,6 +11,7 @@ import numpy as np
 
 from latolato.core.errors import InputError, Sentence, Word
 from latolato.experiment.fits.adequacy import (
+    SHORTEST,
     SMALL,
     Cut,
     Kind,
@@ -36,8 +37,6 @@ from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
 from latolato.experiment.rules import said
 
-# Periods in the shortest part of a record.
-_SHORTEST = 2.0
 # Samples that explanations of a whole record are fitted to, in so many trials, and what they must
 # gain, as a share of what two parts do.
 _ENOUGH, _TRIES, _MOST = 600, 40, 0.5
@@ -102,7 +101,7 @@ def doubt_of(
     ratio = whole.scatter / max(noise_of(data.values), 1e-300)
     size = said("scatter_size", ratio=ratio) if ratio > _FAR_OFF else ""
     try:
-        cut = first_cut(data, whole, fit_part, _SHORTEST * period)
+        cut = first_cut(data, whole, fit_part, SHORTEST * period)
     except ConvergenceError:
         return Adequacy(said("not_described", scatter=size), "unknown"), whole
     if cut is None:
@@ -159,7 +158,7 @@ def _of_whole(
             solution = fit_equation(samples, start, drags, aside, limit=_TRIES)
         except InputError:
             continue
-        shortest = _SHORTEST * math.tau / solution.values["natural_frequency"]
+        shortest = SHORTEST * math.tau / solution.values["natural_frequency"]
         gain = plain - deviance([solution])
         if gain < _MOST * cut.gain * len(few) / len(data):
             continue
