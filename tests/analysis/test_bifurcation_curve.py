@@ -518,7 +518,7 @@ def test_a_curve_can_be_stopped_and_keeps_what_it_has():
         ({"parameters": ("drive_amplitud", "frequency_ratio")}, "did you mean"),
         ({"parameters": None}, "must be two parameters"),
         ({"low": (0.06, 1.7)}, "must enclose the drive_amplitude"),
-        ({"low": (0.3, 1.7)}, "low must be less than high, got 0.3"),
+        ({"low": (0.3, 1.7)}, "low must be less than high for drive_amplitude, got 0.3"),
         ({"low": (0.0,)}, "must be a value for each of both"),
         ({"kind": "grazing"}, "needs balls that can touch"),
         ({"kind": "slack_onset"}, "needs strings"),

@@ -198,7 +198,7 @@ def test_the_branch_of_a_shorter_period_is_named():
     [
         ({"parameter": "frequency_ration"}, "did you mean 'frequency_ratio'"),
         ({"low": 2.1}, "must enclose"),
-        ({"low": 3.0, "high": 1.0}, "must enclose"),
+        ({"low": 3.0, "high": 1.0}, "low must be less than high"),
         ({"direction": "left"}, "'up' or 'down'"),
         ({"points": 0}, "points"),
         ({"drive": None}, "must repeat itself"),

@@ -117,6 +117,7 @@ def test_no_protocol_is_needed_where_the_toy_starts_by_itself():
         (TOY, DRIVE, {"push": [0.0]}, r"push\[0\] must lie in"),
         (TOY, DRIVE, {"required_share": 1.5}, r"required_share must lie in \(0, 1\]"),
         (TOY, DRIVE, {"phases": 0}, "phases must lie in"),
+        (TOY, DRIVE, {"initial_angular_velocity": (2.0, 1.0)}, "must be one number in rad/s"),
         (ll.Mathieu(length=1.0, mass=0.8), DRIVE, {}, "must have motion that settles"),
     ],
 )

@@ -37,7 +37,7 @@ from latolato.physics.problems import PROBLEMS
 NODE = Path(sys.executable).parent / "node"
 ENGLISH = STATIC / "languages" / "en.json"
 FILES = sorted(set(ENGLISH.parent.glob("*.json")) - {ENGLISH})
-GAP = re.compile(r"\{(@?\w+)\}")
+GAP = re.compile(r"\{(@|@?\w+(?:=\w+)?)\}")
 # How numbers are written, at the end of a gap; a translation leaves that to the English sentence.
 DIGITS = re.compile(r":(\.\d+)?g\}")
 # What the tables of stories hold that readers see.

@@ -267,12 +267,12 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["floqet", "fig03a"], "unknown analysis 'floqet': did you mean 'floquet'?"),
         (["tongue_edges", "fig03"], "there is no scenario or file 'fig03'"),
         (["tongue_edges"], "name what to analyse: a scenario"),
-        (["tongue_edges", *PENDULUM], "this analysis needs drive_amplitude [m]"),
+        (["tongue_edges", *PENDULUM], "this analysis needs --drive-amplitude [m]"),
         (
             ["tongue_edges", *PENDULUM, "--drive-amplitude", "5 kg"],
-            "drive_amplitude must be given in m (or a unit that converts to it), got '5 kg'",
+            "--drive-amplitude must be given in m (or a unit that converts to it), got '5 kg'",
         ),
-        (["tongue_edges", "fig03a", "--order", "-1"], "order must"),
+        (["tongue_edges", "fig03a", "--order", "-1"], "--order must"),
         (["tongue_edges", "fig03a", "--order", "one"], "Invalid value for '--order'"),
         (["tongue_edges", "fig03a", "--samples", "5"], "No such option: --samples"),
         (["tongue_edges", "fig03a", "--order", "1", "--order", "2"], "must be given once"),
@@ -280,20 +280,58 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         (["tongue_edges", "fig03a", "--output", "no/a.nc"], "the folder 'no' does not exist"),
         (["tongue_edges", "fig03a", "--plot", "a.txt"], "the name of a picture must end in"),
         (["pair_symmetry", "fig04a", "--drive-amplitude", "0 : 1"], "must be low : high : count"),
-        (["continue_orbit", "fig03a", "--low", "1"], "this analysis needs high"),
-        (["bifurcation_diagram", "fig03a"], "this analysis needs parameter"),
+        (["continue_orbit", "fig03a", "--low", "1"], "this analysis needs --high"),
+        (
+            ["continue_orbit", "fig03a", "--low", "3", "--high", "1"],
+            "--low must be less than --high",
+        ),
+        (["bifurcation_diagram", "fig03a"], "this analysis needs --parameter"),
+        (
+            ["basins", "fig04a", "--angle-high", "0.1"],
+            "--angle-low must be less than --angle-high",
+        ),
+        (
+            ["first_push", "fig04a", "--frequency-ratio", "2, 2"],
+            "--frequency-ratio must not hold 2 twice",
+        ),
+        (
+            [
+                "response_period_map",
+                "fig04a",
+                "--frequency-ratio",
+                "2",
+                "--drive-amplitude",
+                "1, 1",
+            ],
+            "--drive-amplitude must not hold 1 twice",
+        ),
+        (
+            ["hysteresis", "fig04a", "--drive-amplitude", "1, 1"],
+            "axis --drive-amplitude must not repeat a value, got 1 twice; remove one",
+        ),
         (
             ["continue_orbit", "fig03a", "--low", "1", "--high", "3", "--parameter", "lenght"],
             "unknown parameter 'lenght': did you mean 'length'?",
         ),
         ([*CURVE, "--low", "0", "1.8"], "need commas between them: write --low 0,1.8"),
         ([*CURVE, "--low", "0 1.8", "--high", "1,2"], "put commas between the values"),
-        ([*CURVE, "--low", "0,1.8"], "needs high; give one value for each parameter, with commas"),
+        (
+            [*CURVE, "--low", "0,1.8"],
+            "needs --high; give one value for each parameter, with commas",
+        ),
+        (
+            [*CURVE, "--low", "0,2", "--high", "0.1,2"],
+            "--low must be less than --high for --frequency-ratio",
+        ),
+        (
+            [*CURVE, "--low", "1,1", "--high", "2,3"],
+            "--low and --high must enclose the --drive-amplitude of the first orbit",
+        ),
         (
             [*CURVE, "--low", "0 kg,1.8", "--high", "1,2"],
-            "low (drive_amplitude) must be given in m",
+            "--low (drive_amplitude) must be given in m",
         ),
-        ([*CURVE, "--low", "1,2,3", "--high", "1,2"], "low must be a value for each of both"),
+        ([*CURVE, "--low", "1,2,3", "--high", "1,2"], "--low must be a value for each of both"),
     ],
 )
 def test_bad_input_is_refused_in_one_line_and_writes_nothing(capsys, arguments, message):

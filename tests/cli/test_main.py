@@ -121,27 +121,27 @@ BAD_INPUT = [
     (but(TOY, "--tolerance", "1"), "tolerance must lie in [1e-14, 0.01] rad, got 1"),
     (
         but(TOY, "--initial-angle", "0.05"),
-        "initial_angle must lie between the contact angles [0.1001674211616, 3.041425232428] rad, "
-        "got 0.05",
+        "--initial-angle must lie between the contact angles [0.1001674211616, 3.041425232428] "
+        "rad, got 0.05",
     ),
-    (["fig04a", "--initial-offset", "-1 deg"], "initial_offset must lie in [0, inf) rad"),
-    (but(TOY, "--initial-angle", "nan"), "initial_angle must be a number in rad, got nan"),
+    (["fig04a", "--initial-offset", "-1 deg"], "--initial-offset must lie in [0, inf) rad"),
+    (but(TOY, "--initial-angle", "nan"), "--initial-angle must be a number in rad, got nan"),
     (but(TOY, "--times", "0,1,1"), "times must increase strictly, got 1 after 1 at position 2"),
     (but(TOY, "--times", "0,2,1"), "times must increase strictly, got 1 after 2 at position 2"),
     (but(TOY, "--times", "0 s, nan s"), "times[1] must be a number in s, got nan"),
     (but(TOY, "--length", "24.5 kg"), "length must be given in m (or a unit that converts to it)"),
-    (but(TOY, "--drive-amplitude", "1 Hz"), "drive_amplitude must be given in m"),
-    (but(TOY, "--drive-amplitude", "1 cm"), "Harmonic needs 'drive_frequency' [rad/s]"),
+    (but(TOY, "--drive-amplitude", "1 Hz"), "--drive-amplitude must be given in m"),
+    (but(TOY, "--drive-amplitude", "1 cm"), "Harmonic needs --drive-frequency [rad/s]"),
     (
         [
             *(*TOY, "--drive", "frequency_schedule", "--drive-amplitude", "1 cm"),
             *("--drive-times", "0,2,1", "--drive-frequencies", "3,2,1"),
         ],
-        "drive_times must increase strictly, got 1 after 2 at position 2",
+        "--drive-times must increase strictly, got 1 after 2 at position 2",
     ),
-    (but(TOY, *MEASURED, "0,1,2,3,5,4"), "drive_times must increase strictly, got 4 after 5"),
-    (but(TOY, *MEASURED, "0,1"), "drive_times must hold at least 6 values, got 2"),
-    (but(TOY, *MEASURED, ""), "drive_times must be given in s"),
+    (but(TOY, *MEASURED, "0,1,2,3,5,4"), "--drive-times must increase strictly, got 4 after 5"),
+    (but(TOY, *MEASURED, "0,1"), "--drive-times must hold at least 6 values, got 2"),
+    (but(TOY, *MEASURED, ""), "--drive-times must be given in s"),
     (
         but(TOY, *MEASURED, "0,1,2,3,4,5", "--duration", "9"),
         "the pivot samples cover 0 to 5 s, but",
@@ -153,9 +153,9 @@ BAD_INPUT = [
     ),
     (
         but(PAIR, "--left-radius", "1"),
-        "left_radius must lie in [0, length), got 1; give",
+        "--left-radius must lie in [0, length), got 1; give",
     ),
-    (but(PAIR, "--initial-angle", "0.5"), "initial_angle of a BallPair must be two numbers"),
+    (but(PAIR, "--initial-angle", "0.5"), "--initial-angle of a BallPair must be two numbers"),
     (but(PAIR, "--initial-angle", "0.1,0"), "must lie between the contact angles"),
     (
         but(TOY, "--suspension", "cord"),
@@ -164,7 +164,7 @@ BAD_INPUT = [
     (but(TOY, "--drag-frame", "labs"), "got 'labs'; did you mean 'lab'?"),
     (
         but(TOY, "--string-restitution", "0.9"),
-        "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, got 0.9",
+        "--string-restitution must be 0 with suspension 'rod', as a rod never goes slack, got 0.9",
     ),
     (
         but(TOY, "--suspension", "string", "--contact", "clamp"),
@@ -178,7 +178,10 @@ BAD_INPUT = [
     (but(TOY, "--drive", "harmonics"), "unknown drive 'harmonics': did you mean 'harmonic'?"),
     (but(TOY, "--contact", "clam"), "unknown contact law 'clam': did you mean 'clamp'?"),
     (but(TOY, "--frame", "moon"), "frame must be 'pivot' or 'both', got 'moon'"),
-    (but(TOY, "--noise-strength", "-1"), "noise_strength must lie in [0, inf) rad/s^(3/2), got -1"),
+    (
+        but(TOY, "--noise-strength", "-1"),
+        "--noise-strength must lie in [0, inf) rad/s^(3/2), got -1",
+    ),
     (but(TOY, "--lenght", "1"), "No such option: --lenght"),
     (but(TOY, "--samples", "many"), "Invalid value for '--samples'"),
     (["zen"], "there is no scenario or file 'zen': did you mean 'zeno'?"),
@@ -199,26 +202,26 @@ BAD_INPUT = [
     ([*TOY, "--json", "--json"], "option --json must be given once, it was given 2 times"),
     (
         but(TOY, "--left-mass", "2"),
-        "left_mass belongs to system ballpair, not to latolato; use mass or change the system",
+        "--left-mass belongs to system ballpair, not to latolato; use --mass or change the system",
     ),
     (
         but(TOY, "--connecting-rod-length", "1"),
-        "connecting_rod_length belongs to drive crank_slider, not to harmonic; leave it out or",
+        "--connecting-rod-length belongs to drive crank_slider, not to harmonic; leave it out or",
     ),
-    (but(PAIR, "--length", "1"), "BallPair has no 'length' of its own"),
-    ([*PAIR[:8], *PAIR[10:]], "Ball needs 'left_mass' [kg]"),
+    (but(PAIR, "--length", "1"), "BallPair has no --length of its own"),
+    ([*PAIR[:8], *PAIR[10:]], "Ball needs --left-mass [kg]"),
     (
         but(TOY, "--contact", "clamp", "--clamp-step", "-1"),
-        "clamp_step must lie in (0, inf) s, got -1",
+        "--clamp-step must lie in (0, inf) s, got -1",
     ),
-    (but(TOY, "--noise-seed", "3"), "VelocityKicks needs 'noise_strength' [rad/s^(3/2)]"),
+    (but(TOY, "--noise-seed", "3"), "VelocityKicks needs --noise-strength [rad/s^(3/2)]"),
     (
         but(TOY, "--noise-strength", "1", "--noise-seed", "-1"),
-        "noise_seed must lie in [0, 2^63), got -1",
+        "--noise-seed must lie in [0, 2^63), got -1",
     ),
     (
         but(TOY, "--noise-strength", "1", "--noise-seed", "9223372036854775808"),
-        "noise_seed must lie in [0, 2^63), got 9223372036854775808",
+        "--noise-seed must lie in [0, 2^63), got 9223372036854775808",
     ),
     (but(TOY, "--times", "no.txt"), "got 'no.txt'; there is no file of that name either"),
     (
@@ -228,7 +231,7 @@ BAD_INPUT = [
     (but(TOY, "--samples", "20000001"), "samples must lie in [2, 2e+07], got 20000001"),
     (
         but(TOY, "--contact-limit", "9223372036854775808"),
-        "contact_limit must lie in [1, 2^63), got 9223372036854775808; give less than 2^63",
+        "--contact-limit must lie in [1, 2^63), got 9223372036854775808; give less than 2^63",
     ),
     (["zeno", "--output", "."], "'.' is a folder; name a file in it"),
     (["zeno", "--plot", "."], "'.' is a folder; name a file in it"),
@@ -480,11 +483,19 @@ def test_a_run_is_differentiated_by_each_parameter_that_is_named():
     np.testing.assert_array_equal(ll.load("b.nc").angle_sensitivity, first.angle_sensitivity)
 
 
+def test_what_a_file_gives_is_called_as_there_and_what_is_typed_by_its_option(capsys, tmp_path):
+    file = tmp_path / "swing.toml"
+    file.write_text("[system]\nkind = 'pendulum'\nlength = -1\nmass = 0.8\n")
+    for arguments, called in ([], "length"), (["--length", "-2"], "--length"):
+        assert main(["simulate", str(file), "--duration", "1", *arguments]) == 2
+        assert capsys.readouterr().err.startswith(f"latolato: {called} must lie in (0, inf) m")
+
+
 @pytest.mark.parametrize(
     "name, message",
     [
-        ("lenght", "sensitivity_to has no parameter 'lenght': did you mean 'length'?"),
-        ("length", "sensitivity_to names length twice"),
+        ("lenght", "--sensitivity-to has no parameter 'lenght': did you mean 'length'?"),
+        ("length", "--sensitivity-to names length twice"),
         ("string_restitution", "leaves no room to change: string_restitution must be 0 with"),
     ],
 )

@@ -10,11 +10,12 @@ import pytest
 from latolato.analysis import analyses
 from latolato.analysis.checks import check_span
 from latolato.analysis.rules import RULES as OF_ANALYSES
+from latolato.analysis.rules import broken_analysis
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
 from latolato.core.parameters import flag_of
 from latolato.core.rules import RULES, broken_rule, either_of, sentence
-from latolato.experiment.importing import import_table
+from latolato.experiment.importing import TARGETS, import_table
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
 from latolato.experiment.rules import broken
@@ -30,15 +31,23 @@ SENTENCES = {
     **OF_ANALYSES,
     **{problem.name: (problem.rule, problem.way_out) for problem in PROBLEMS},
 }
-# What rules may name: parameters of functions, and the file of a run on the command line.
+# What rules may name: parameters of functions, columns of tables, and the file of a run on the
+# command line.
 OPTIONS = {
     *law_options(),
     *VIDEO_PARAMETERS,
     *signature(import_table).parameters,
     *(name for analysis in analyses.values() for name in options_of(analysis)),
+    *TARGETS,
     "balls",
     "from",
 }
+
+
+def on_the_command_line(error):
+    """The text of an error where each parameter has a flag."""
+    error.name_of = flag_of
+    return refusal_of(error)
 
 
 @pytest.mark.parametrize("name", SENTENCES)
@@ -47,7 +56,10 @@ def test_pages_can_fill_every_gap(name):
         for _, gap, digits, conversion in Formatter().parse(text):
             if gap is None:
                 continue
-            assert re.fullmatch(r"\w+", gap) or gap.removeprefix("@") in OPTIONS
+            parameter, _, value = gap.removeprefix("@").partition("=")
+            assert re.fullmatch(r"\w+|@", gap) or (
+                parameter in OPTIONS and re.fullmatch(r"\w*", value)
+            )
             assert re.fullmatch(r"((\.\d+)?g)?", digits)
             assert conversion is None
 
@@ -67,13 +79,33 @@ def test_names_of_which_one_is_meant_are_translated_one_by_one():
 def test_a_gap_may_hold_the_name_of_a_parameter():
     with pytest.raises(InputError, match="velocity_low must be less than velocity_high") as caught:
         check_span(2.0, 2.0, "velocity_")
-    assert "must be less than --velocity-high, got 2" in caught.value.worded("low", flag_of)
+    assert on_the_command_line(caught.value) == (
+        "--velocity-low must be less than --velocity-high, got 2"
+    )
+
+
+def test_a_gap_may_hold_what_sets_a_parameter():
+    assert str(broken_analysis("drag_of_pivot")).endswith("or give damping=0")
+    strings = broken_analysis("needs_strings", parameter="kind", value="slack_onset")
+    assert str(strings) == "kind needs strings, got 'slack_onset'; give suspension='string'"
+    message = on_the_command_line(strings)
+    assert message == "kind needs strings, got 'slack_onset'; give --suspension string"
+
+
+def test_what_is_missing_is_called_as_its_reader_would_give_it():
+    lacks = broken_rule("needed", {"law": "Chirp", "unit": " [m]"}, parameter="row_time")
+    assert str(lacks) == "Chirp needs 'row_time' [m]"
+    assert (
+        lacks.worded("\u201ctime from row to row\u201d")
+        == "Chirp needs \u201ctime from row to row\u201d [m]"
+    )
+    assert on_the_command_line(lacks) == "Chirp needs --row-time [m]"
 
 
 def test_a_sentence_calls_parameters_as_its_reader_does():
     second = broken("second_ball", {"time": 1.5})
-    assert str(second).endswith("point at both (balls 2), or use the part before that (end)")
-    message = refusal_of(pickle.loads(pickle.dumps(second)), flag_of)
+    assert str(second).endswith("point at both (balls=2), or use the part before that (end)")
+    message = on_the_command_line(pickle.loads(pickle.dumps(second)))
     assert message.endswith("point at both (--balls 2), or use the part before that (--end)")
     # Also one within another.
     assert called(joined([second.way_out]), flag_of) in message

@@ -299,7 +299,7 @@ def test_a_broken_sidecar_is_refused(swing, tmp_path, capsys, text, reason):
         (("--balls", "2", "--ball", "1,2"), "--balls 2 needs --ball 2 times"),
         (("--length", "3 kg"), "length must be given in m"),
         (("--length", "-1 m", *CLICKS[:4]), "length must lie in (0, inf) m, got -1"),
-        (("--slow-motion", "0", *CLICKS[:4]), "slow_motion must lie in (0, inf)"),
+        (("--slow-motion", "0", *CLICKS[:4]), "--slow-motion must lie in (0, inf)"),
         (("--limit", "pixel=3"), "did you mean 'pixels'"),
         (("--limit", "pixels=many"), "pixels must be a whole number, got 'many'"),
         (("--limit", "duration=0 s"), "duration must be positive"),
@@ -324,12 +324,12 @@ def test_tables_of_several_videos_need_names_of_their_own(swing, tmp_path, capsy
         (["--ball", "60,90", "--ball", "61,90"], "two balls must be at least 8 pixels apart"),
         (
             ["--ball", "60,90", "--row-time", "1"],
-            "row_time must let 240 rows fit between two frames 0.0167 s apart, got 1; give the "
+            "--row-time must let 240 rows fit between two frames 0.0167 s apart, got 1; give the "
             "time from one row to the next, not that of all rows",
         ),
-        (["--ball", "60,90", "--row-time", "-1"], "row_time must lie in [0, inf) s"),
-        (["--ball", "60,90", "--lens-k1", "nan"], "lens_k1 must be a number"),
-        (["--ball", "60,90", "--lens-k2", "5"], "lens_k2 must lie in [-1, 1]"),
+        (["--ball", "60,90", "--row-time", "-1"], "--row-time must lie in [0, inf) s"),
+        (["--ball", "60,90", "--lens-k1", "nan"], "--lens-k1 must be a number"),
+        (["--ball", "60,90", "--lens-k2", "5"], "--lens-k2 must lie in [-1, 1]"),
     ],
 )
 def test_places_and_cameras_that_cannot_be_are_refused(swing, tmp_path, capsys, given, reason):

@@ -34,7 +34,7 @@ from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
 from latolato.analysis.self_start import resting_angles
 from latolato.analysis.special_point import SpecialPoint, check_left_out
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, name_gap
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
@@ -242,10 +242,10 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
         limits.append(np.array(numbers))
     plane = Plane(flow, names, *limits)
     for name, value, least, most in zip(names, plane.values, *limits, strict=True):
-        check_span(float(least), float(most))
+        check_span(float(least), float(most), of=name)
         if not least <= value <= most:
             raise broken_analysis(
-                "first_orbit", {"name": name, "begun": value, "low": least, "high": most}
+                "first_orbit", {"name": name_gap(name), "begun": value, "low": least, "high": most}
             )
     return plane
 

@@ -84,11 +84,25 @@ def hits_pull(system: System) -> bool:
     )
 
 
-def check_span(low: float, high: float, kind: str = "") -> None:
-    """Raise InputError unless the second limit is larger; `kind` begins the names of both."""
-    if not low < high:
-        names = {"high": name_gap(f"{kind}high")}
-        raise broken_analysis("low_to_high", names, parameter=f"{kind}low", value=low)
+def check_span(low: float, high: float, kind: str = "", *, of: str = "") -> None:
+    """Raise InputError unless the second limit is larger.
+
+    `kind` begins the names of both; of several limits these are those of the parameter `of`.
+    """
+    if low < high:
+        return
+    if of:
+        raise broken_analysis("low_to_high_of", {"name": name_gap(of)}, parameter="low", value=low)
+    names = {"high": name_gap(f"{kind}high")}
+    raise broken_analysis("low_to_high", names, parameter=f"{kind}low", value=low)
+
+
+def check_no_repeat(name: str, values: Floats) -> None:
+    """Raise InputError for a value that is given twice."""
+    known, counts = np.unique(values, return_counts=True)
+    if (counts > 1).any():
+        twice = {"repeated": float(known[counts > 1][0])}
+        raise broken_analysis("no_repeat", twice, parameter=name)
 
 
 def increasing(name: str, values: Any, default: Floats) -> Floats:

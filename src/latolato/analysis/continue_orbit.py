@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
-from latolato.analysis.checks import check_vertical
+from latolato.analysis.checks import check_span, check_vertical
 from latolato.analysis.conditions import NEARLY, closing_maps
 from latolato.analysis.floquet import shorter_period, smallest_period
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
@@ -18,6 +18,7 @@ from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.rules import broken_analysis
 from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
+from latolato.core.errors import name_gap
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_number
@@ -167,9 +168,10 @@ def continue_orbit(
     closed, unit = replace(known.allowed, open_low=False, open_high=False), known.quantity.unit
     checked_number(f"low ({parameter})", low, closed, unit)
     checked_number(f"high ({parameter})", high, closed, unit)
-    if not low < high or not low <= begun <= high:
+    check_span(low, high)
+    if not low <= begun <= high:
         raise broken_analysis(
-            "first_orbit", {"name": parameter, "begun": begun, "low": low, "high": high}
+            "first_orbit", {"name": name_gap(parameter), "begun": begun, "low": low, "high": high}
         )
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     if at is not None and special.kind == "period_doubling":

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.analysis.checks import TransientPeriods, checked_periodic
+from latolato.analysis.checks import TransientPeriods, check_no_repeat, checked_periodic
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.starts import hanging_angles, start_columns
 from latolato.analysis.stroboscopic import octaves, run_samples
@@ -120,6 +120,8 @@ def first_push(
     """
     drive = checked_periodic(system, drive)
     ratios, phases = np.array(frequency_ratio), np.array(drive_phase)
+    check_no_repeat("frequency_ratio", ratios)
+    check_no_repeat("drive_phase", phases)
     unit, w0 = QUANTITIES[push].unit, system.natural_frequency
     usual = {"initial_angular_velocity": _FASTEST * w0, "initial_offset": _WIDEST}[push]
     largest_push = usual if largest_push is None else largest_push

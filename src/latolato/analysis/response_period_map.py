@@ -12,6 +12,7 @@ from latolato.analysis.checks import (
     AngleTolerance,
     LongestPeriod,
     TransientPeriods,
+    check_no_repeat,
     checked_periodic,
 )
 from latolato.analysis.registry import analyses, labelled
@@ -101,6 +102,8 @@ def response_period_map(
     usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
     drive = checked_periodic(system, usual if drive is None else drive)
     amplitudes, ratios = np.array(drive_amplitude), np.array(frequency_ratio)
+    check_no_repeat("drive_amplitude", amplitudes)
+    check_no_repeat("frequency_ratio", ratios)
     amplitude, ratio = np.broadcast_arrays(amplitudes[:, None], ratios)
     motion = settled_cases(
         system,

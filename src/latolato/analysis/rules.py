@@ -26,11 +26,11 @@ RULES = {
     "continued_rods": Rule(
         "must be 'rod' here: each motion continues from an angle and an angular velocity, but a "
         "slack ball also has a distance and a radial velocity",
-        "sweep starts instead, or give {@suspension}='rod'",
+        "sweep starts instead, or give {@suspension=rod}",
     ),
     "drag_of_pivot": Rule(
         "must be 'pivot' here: this is computed for drag relative to the pivot",
-        "use floquet or a sweep, or give {@damping}=0",
+        "use floquet or a sweep, or give {@damping=0}",
     ),
     "unclamped": Rule(
         "must be exact or none here: a clamped motion depends on its step, so small perturbations "
@@ -38,7 +38,7 @@ RULES = {
     ),
     "upright_rod": Rule(
         "must be 'rod' for a ball that stands upright: a string does not push",
-        "give {@suspension}='rod'",
+        "give {@suspension=rod}",
     ),
     "inverted_mathieu": Rule(
         "a Mathieu system is linearised about hanging and has no inverted position; use ll.Pendulum"
@@ -81,17 +81,17 @@ RULES = {
     "alike_lengths": Rule(
         "must be 'rod' for balls of so different lengths: where they rest on each other, the upper "
         "one would have to be held by a push",
-        "make the lengths more alike, or give {@suspension}='rod'",
+        "make the lengths more alike, or give {@suspension=rod}",
     ),
     "taut_hanging": Rule(
         "must be smaller for a ball that hangs still on a taut string: at {frequency:g} rad/s the "
         "pivot falls faster than the ball",
-        "lower it or give {@suspension}='rod'",
+        "lower it or give {@suspension=rod}",
     ),
     "taut_orbit": Rule(
         "must be 'rod' for this orbit: a string goes slack {time:.6g} s after time zero, and "
         "orbits are followed on taut strings only",
-        "shake less, begin at another orbit, or give {@suspension}='rod'",
+        "shake less, begin at another orbit, or give {@suspension=rod}",
     ),
     "accumulating_impacts": Rule("must lie in [0, 1) for impacts to accumulate"),
     "drive_of_stages": Rule(
@@ -102,10 +102,12 @@ RULES = {
         "analysis; a crank must be shorter than its connecting rod by more"
     ),
     # of arguments
-    "needed_by_analysis": Rule("this analysis needs {parameter}{unit}"),
+    "needed_by_analysis": Rule("this analysis needs {@}{unit}"),
     "value_of_each": Rule("give one value for each parameter, with commas between"),
     "such_values": Rule("give values such as 0 : 1 : 11, which are 11 from 0 to 1"),
-    "low_to_high": Rule("must be less than {high}"),
+    "no_repeat": Rule("must not hold {repeated:g} twice", "remove one"),
+    "low_to_high": Rule("{@} must be less than {high}"),
+    "low_to_high_of": Rule("{@} must be less than {@high} for {name}"),
     "entropy_box": Rule(
         "must be at most the points of either axis, {points}", "take a smaller box or more points"
     ),
@@ -133,7 +135,7 @@ RULES = {
     "touching_balls": Rule(
         "needs balls that can touch", "use LatoLato or BallPair, with exact contact"
     ),
-    "needs_strings": Rule("needs strings", "give {@suspension}='string'"),
+    "needs_strings": Rule("needs strings", "give {@suspension=string}"),
     "needs_mirror": Rule(
         "needs a motion that equals its image in a mirror, and this one has none",
         "try fold or period_doubling",

@@ -20,7 +20,7 @@ from latolato.physics.drives import Chirp, Drive, Harmonic, Segment, drives
 from latolato.physics.drives.segment import COSINE
 from latolato.physics.pendulum import System
 from latolato.simulation.run import simulate
-from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
+from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive, checked_numbers
 from latolato.sweeps import sweep
 
 if TYPE_CHECKING:
@@ -292,10 +292,11 @@ def _pushed(search: _Search, pushes: Sequence[float]) -> Floats:
     """Return settled angles at the target frequency after pushes, of shape (push, phase)."""
     push, phase = (each.ravel() for each in np.meshgrid(pushes, search.phases, indexing="ij"))
     start = dict(search.start)
-    velocities = np.broadcast_to(start.pop("initial_angular_velocity"), search.system.angles)
+    name = "initial_angular_velocity"
+    velocities = checked_numbers(name, start.pop(name), search.system.angles)
     sides = ("",) if search.system.angles == 1 else ("_right", "_left")
     columns = {
-        f"initial_angular_velocity{side}": velocity + way * push
+        f"{name}{side}": velocity + way * push
         for side, velocity, way in zip(sides, velocities, (1.0, -1.0), strict=False)
     }
     drive = Harmonic(drive_amplitude=search.amplitude, drive_frequency=search.target)

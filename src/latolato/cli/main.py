@@ -19,7 +19,6 @@ from latolato.cli.fit import FitGroup
 from latolato.cli.options import UsageError, command_from
 from latolato.cli.registered import RegistryGroup
 from latolato.core.faults import refusal_of, report_of
-from latolato.core.parameters import flag_of
 from latolato.scenario.scenario import find, load_scenario, scenarios
 
 # Exit code of a fault of the program, EX_SOFTWARE of sysexits.h.
@@ -163,7 +162,7 @@ def _exit_code(arguments: Sequence[str] | None) -> int:
         ending = _ending(error)
         if ending is not None:
             return ending
-        message = refusal_of(error, flag_of)
+        message = refusal_of(error)
         return _refuse(message) if message is not None else _refuse(report_of(error), _FAULT)
 
 

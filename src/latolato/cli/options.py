@@ -12,8 +12,8 @@ import typer
 from typer.core import TyperCommand
 from typer.models import ArgumentInfo
 
-from latolato.core.errors import InputError
-from latolato.core.parameters import Parameter
+from latolato.core.errors import InputError, python_name
+from latolato.core.parameters import Parameter, flag_of
 from latolato.core.registry import suggest
 from latolato.scenario.options import law_options
 
@@ -63,7 +63,7 @@ SAMPLE_OPTIONS = ("times", "samples", "frame")
 
 
 class StrictCommand(TyperCommand):
-    """A command that refuses what typer would misread.
+    """A command that refuses what typer would misread, and calls parameters by its options.
 
     Typer takes the last of an option that is given twice, and of values with spaces between them
     only the first.
@@ -84,6 +84,31 @@ class StrictCommand(TyperCommand):
                 flag = max(parameter.opts, key=len)
                 raise UsageError(f"option {flag} must be given once, it was given {count} times")
         return super().parse_args(ctx, args)
+
+    def invoke(self, ctx: Any) -> Any:
+        """Return what the command returns; what it refuses is said with its options.
+
+        What was typed is called by its option; what a file gives is called as there.
+        """
+        try:
+            return super().invoke(ctx)
+        except InputError as error:
+            error.name_of = self.name_of
+            name, *rest = re.split(r"\b(?=\W)", error.parameter or "", maxsplit=1)
+            if ctx.params.get(name) is not None:
+                error.parameter = self.name_of(name) + "".join(rest)
+            raise
+
+    def name_of(self, parameter: str, value: str = "") -> str:
+        """Return the option of a parameter, or its name where the command has none.
+
+        An option that is given once for each of several values is called by one of them.
+        """
+        flags = [flag for each in self.params for flag in each.opts]
+        for name in (parameter, parameter.removesuffix("s")):
+            if flag_of(name) in flags:
+                return flag_of(name, value)
+        return python_name(parameter, value)
 
 
 def _begins_with_number(text: str) -> bool:

@@ -143,7 +143,9 @@ def _child(job: Job, pipe: Connection) -> None:
             warnings.simplefilter("ignore")
             pipe.send(("done", work(job, tell)))
     except Exception as error:
-        pipe.send(("failed", line_of(error, flag_of)))
+        if isinstance(error, InputError):
+            error.name_of = flag_of
+        pipe.send(("failed", line_of(error)))
     except KeyboardInterrupt:
         pass
     finally:

@@ -9,10 +9,12 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
+# Returns what a user calls a parameter; with a value, what sets the parameter to that.
+Naming = Callable[[str, str], str]
 # Stands for a value that is not given, as None may be one.
 NOT_GIVEN: Any = object()
-# Where a rule names the parameter.
-_NAME = "{parameter}"
+# Where a rule names the parameter, as the input does or as its reader does.
+_NAME, _READERS_NAME = "{parameter}", "{@}"
 # Letters of a value in a text.
 _LONGEST = 200
 
@@ -60,7 +62,7 @@ class Sentence(str):
 
     def __new__(cls, named: NamedRule, part: str = "rule") -> Sentence:
         """Return the text."""
-        sentence = super().__new__(cls, _filled(named, part, str))
+        sentence = super().__new__(cls, _filled(named, part, python_name))
         sentence.named, sentence.part = named, part
         return sentence
 
@@ -69,20 +71,40 @@ class Sentence(str):
         return self.named, self.part
 
 
-class _Gaps(dict[str, Any]):
-    """What stands in the gaps of a sentence; ``{@end}`` is for the name of the parameter `end`."""
+def python_name(parameter: str, value: str = "") -> str:
+    """Return what Python calls a parameter, or what sets it to a word or a number.
 
-    def __init__(self, values: Mapping[str, Any], name_of: Callable[[str], str]) -> None:
+    Examples
+    --------
+    >>> python_name("row_time"), python_name("damping", "0"), python_name("suspension", "rod")
+    ('row_time', 'damping=0', "suspension='rod'")
+    """
+    if not value:
+        return parameter
+    return f"{parameter}={value!r}" if value.isidentifier() else f"{parameter}={value}"
+
+
+class _Gaps(dict[str, Any]):
+    """What stands in the gaps of a sentence.
+
+    ``{@end}`` is for the name of the parameter `end`, ``{@end=2}`` for what sets it to 2, and
+    ``{@}`` for the name of the parameter at fault.
+    """
+
+    def __init__(self, values: Mapping[str, Any], name_of: Naming) -> None:
         super().__init__(values, parameter=_NAME)
         self.name_of = name_of
 
     def __missing__(self, gap: str) -> str:
         if not gap.startswith("@"):
             raise KeyError(gap)
-        return self.name_of(gap[1:])
+        if gap == "@":
+            return _READERS_NAME
+        parameter, _, value = gap[1:].partition("=")
+        return self.name_of(parameter, value)
 
 
-def _filled(named: NamedRule, part: str, name_of: Callable[[str], str]) -> str:
+def _filled(named: NamedRule, part: str, name_of: Naming) -> str:
     """Return a text of a rule with its gaps filled."""
     values = {
         gap: called(value, name_of) if isinstance(value, Sentence) else value
@@ -92,14 +114,14 @@ def _filled(named: NamedRule, part: str, name_of: Callable[[str], str]) -> str:
     return template.format_map(_Gaps(values, name_of))
 
 
-def called(text: str, name_of: Callable[[str], str]) -> str:
+def called(text: str, name_of: Naming) -> str:
     """Return a text with what a user calls the parameters that its rule names, such as ``--end``.
 
     Examples
     --------
-    >>> text = Sentence(NamedRule("cut", "give {@end}", "", {}))
-    >>> text, called(text, "--{}".format)
-    ('give end', 'give --end')
+    >>> text = Sentence(NamedRule("cut", "give {@end=2}", "", {}))
+    >>> text, called(text, "--{} {}".format)
+    ('give end=2', 'give --end 2')
     """
     return _filled(text.named, text.part, name_of) if isinstance(text, Sentence) else text
 
@@ -144,8 +166,8 @@ class InputError(ValueError):
     ----------
     rule : str
         What must hold, as the rest of a sentence that begins with the parameter's name, or a
-        whole sentence in which ``{parameter}`` stands for that name; just a sentence if no single
-        parameter is at fault.
+        whole sentence in which ``{parameter}`` stands for that name, or ``{@}`` for what its reader
+        calls the parameter; just a sentence if no single parameter is at fault.
     parameter : str, optional
         Name of the parameter at fault.
     value : object, optional
@@ -157,6 +179,8 @@ class InputError(ValueError):
     ----------
     where : str
         The file that holds the input, "" if none does; begins the text.
+    name_of : callable
+        Returns what its reader calls parameters, see `called`; by default as Python does.
 
     Examples
     --------
@@ -184,18 +208,18 @@ class InputError(ValueError):
         self.has_value: bool = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
+        self.name_of: Naming = python_name
 
-    def worded(self, name: str | None, name_of: Callable[[str], str] = str) -> str:
-        """Return the whole text on one line, with this name for the parameter.
-
-        `name_of` returns what a user calls other parameters, see `called`.
-        """
-        text = called(self.rule, name_of)
+    def worded(self, name: str | None) -> str:
+        """Return the whole text on one line, with this name for the parameter."""
+        text = called(self.rule, self.name_of)
         if self.parameter is not None:
-            is_whole = _NAME in text
-            if str(name).startswith("\u201c"):  # a label has quotes of its own
-                text = text.replace(f"'{_NAME}'", _NAME)
-            text = text.replace(_NAME, str(name)) if is_whole else f"{name} {text}"
+            if _NAME not in text and _READERS_NAME not in text:
+                text = f"{_NAME} {text}"
+            for gap, each in (_NAME, str(name)), (_READERS_NAME, self.name_of(str(name), "")):
+                if each.startswith(("\u201c", "--")):  # a label has quotes, a flag needs none
+                    text = text.replace(f"'{gap}'", gap)
+                text = text.replace(gap, each)
         if self.has_value:
             # Arrays and numbers of numpy as Python's own.
             value = _plain(self.value)
@@ -205,7 +229,7 @@ class InputError(ValueError):
                 shown = str(value) if is_quantity(value) else repr(value)
             text += f", got {shown:.{_LONGEST}}"
         if self.way_out is not None:
-            text += f"; {called(self.way_out, name_of)}"
+            text += f"; {called(self.way_out, self.name_of)}"
         if self.where:
             text = f"{self.where}: {text}"
         return " ".join(text.split())

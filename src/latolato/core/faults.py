@@ -7,27 +7,23 @@ import platform
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable
 
 from latolato.core.cache import cache_directory
 from latolato.core.errors import InputError
 from latolato.core.versions import version_of
 
 
-def refusal_of(error: BaseException, name_of: Callable[[str], str] = str) -> str | None:
+def refusal_of(error: BaseException) -> str | None:
     """Return the one line that refuses an input, None if the error is a fault of the program.
 
     Refused are an `InputError`, what the system does not allow, such as a file that does not
-    exist, and a request that needs more memory than there is. `name_of` returns what a user calls
-    a parameter that the line names.
+    exist, and a request that needs more memory than there is.
     """
     if isinstance(error, MemoryError):
         return "not enough memory; ask for fewer samples, points or frames"
     if isinstance(error, OSError) and error.strerror and error.filename:
         text = f"{error.strerror}: {error.filename}"
-    elif isinstance(error, InputError):
-        text = error.worded(error.parameter, name_of)
-    elif isinstance(error, OSError):
+    elif isinstance(error, (InputError, OSError)):
         text = str(error)
     else:
         return None
@@ -55,6 +51,6 @@ def report_of(error: BaseException) -> str:
     return f"{begin}; please report it with the traceback in '{path}'"
 
 
-def line_of(error: BaseException, name_of: Callable[[str], str] = str) -> str:
+def line_of(error: BaseException) -> str:
     """Return one line: why the input is refused, or where the report of a fault is."""
-    return refusal_of(error, name_of) or report_of(error)
+    return refusal_of(error) or report_of(error)

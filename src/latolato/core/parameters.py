@@ -20,15 +20,15 @@ from latolato.core.registry import (
 )
 
 
-def flag_of(name: str) -> str:
-    """Return the flag of a parameter.
+def flag_of(name: str, value: str = "") -> str:
+    """Return the flag of a parameter, with a value if one is given.
 
     Examples
     --------
-    >>> flag_of("row_time")
-    '--row-time'
+    >>> flag_of("row_time"), flag_of("drag_frame", "lab")
+    ('--row-time', '--drag-frame lab')
     """
-    return f"--{name.replace('_', '-')}"
+    return f"--{name.replace('_', '-')} {value}".rstrip()
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -16,9 +16,10 @@ from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence
 class Rule(NamedTuple):
     """The rule and the way out of an `InputError`, with gaps as in Python's format strings.
 
-    ``{parameter}`` stands for the parameter at fault, ``{@end}`` for what a user calls the
-    parameter `end`: an option on the command line, a field of a page. No gap has a format but
-    ``g``.
+    ``{parameter}`` stands for the parameter at fault as the input calls it, ``{@}`` for what a
+    user calls it, and ``{@end}`` for what a user calls the parameter `end`: an option on the
+    command line, a field of a page. ``{@frame=lab}`` is what sets a parameter to a word or a
+    number. No gap has a format but ``g``.
     """
 
     rule: str
@@ -68,7 +69,7 @@ RULES = {
         "use `latolato sweep {file}`, or Scenario.sweep in Python",
     ),
     # of the parameters of laws
-    "needed": Rule("{law} needs '{parameter}'{unit}"),
+    "needed": Rule("{law} needs '{@}'{unit}"),
     "of_each_part": Rule("{law} has no '{parameter}' of its own: give {parts}"),
     "foreign": Rule(
         "belongs to {part} {owners}, not to {kind}", "leave it out or change the {part}"
@@ -80,12 +81,12 @@ RULES = {
     "either": Rule("give either {name} or {parameter}, got both"),
     "rigid_rod": Rule(
         "must be 0 with suspension 'rod', as a rod never goes slack",
-        "give 0, or {@suspension}='string'",
+        "give 0, or {@suspension=string}",
     ),
     "lab_drag": Rule(
         "must be 'pivot' with {@quadratic_damping}, as drag relative to the room is described for "
         "linear damping only",
-        "give {@quadratic_damping}=0 for 'lab'",
+        "give {@quadratic_damping=0} for 'lab'",
     ),
     "mirrored_pivot": Rule(
         "moves the pivot sideways, which breaks the mirror symmetry of a {law}: {parameter} must "
@@ -123,15 +124,15 @@ RULES = {
     "two_numbers": Rule("of a BallPair must be two numbers (right, left)"),
     "of_strings": Rule(
         "is for balls on strings: a rod keeps its ball at its length and never goes slack",
-        "leave it out, or give {@suspension}='string' to a Pendulum, LatoLato or BallPair",
+        "leave it out, or give {@suspension=string} to a Pendulum, LatoLato or BallPair",
     ),
     "of_rods": Rule(
         "is for balls on rods: a string never pushes, it goes slack",
-        "ask for slack_fraction, or give {@suspension}='rod'",
+        "ask for slack_fraction, or give {@suspension=rod}",
     ),
     "no_friction": Rule(
         "must be 0 for {what} on strings: dry friction ends at once where a string goes slack",
-        "leave it out, or give {@suspension}='rod'",
+        "leave it out, or give {@suspension=rod}",
     ),
     "duration_needed": Rule("is needed: give the end of the run in s, or times"),
     "duration_of_samples": Rule("needs a duration"),

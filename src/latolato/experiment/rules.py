@@ -539,7 +539,7 @@ RULES = {
     "second_ball": Rule(
         "a second ball that looks the same meets this one at {time:.4g} s: from then on one may be "
         "taken for the other",
-        "point at both ({@balls} 2), or use the part before that ({@end})",
+        "point at both ({@balls=2}), or use the part before that ({@end})",
     ),
     "upside_down": Rule(
         "the picture is upside down: the balls swing in it as if gravity pulled them upwards",

@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, name_gap
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
@@ -112,7 +112,7 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
     raise broken_rule(
         "foreign_part" if inner in own else "foreign",
-        {"part": part, "owners": either_of(owners), "kind": kind, "name": inner},
+        {"part": part, "owners": either_of(owners), "kind": kind, "name": name_gap(inner)},
         parameter=f"{name}_{inner}" if inner else name,
         kind=ForeignParameterError,
     )
@@ -172,7 +172,7 @@ def without_ratios(table: Mapping[str, Any], system: System) -> Tables:
         if ratio not in plain:
             continue
         if name in plain:
-            raise broken_rule("either", {"name": name}, parameter=ratio)
+            raise broken_rule("either", {"name": name_gap(name)}, parameter=ratio)
         value = plain.pop(ratio)
         several = name == "drive_frequencies"
         ratios = to_si_list(ratio, value, "1") if several else [to_si(ratio, value, "1")]
@@ -284,7 +284,7 @@ def _even_times(samples: Any, run: Mapping[str, Any]) -> tuple[float, ...]:
 
     count = RUN_PARAMETERS["samples"].checked(samples)
     if "times" in run:
-        raise broken_rule("either", {"name": "times"}, parameter="samples")
+        raise broken_rule("either", {"name": name_gap("times")}, parameter="samples")
     if "duration" not in run:
         raise broken_rule("duration_of_samples", parameter="samples")
     duration = RUN_PARAMETERS["duration"].checked(run["duration"])

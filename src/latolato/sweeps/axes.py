@@ -86,7 +86,11 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
         if len(set(points)) < len(points):
             repeated = next(p for i, p in enumerate(points) if p in points[:i])
             text = ", ".join(f"{value:g}" for value in repeated)
-            raise InputError(f"axis {name} must not repeat a value, got {text} twice; remove one")
+            raise InputError(
+                f"axis {{parameter}} must not repeat a value, got {text} twice",
+                parameter=name,
+                way_out="remove one",
+            )
         result.append(Axis(str(name), tuple(columns), tuple(columns.values())))
     _check_conflicts(result)
     return tuple(result)

@@ -69,6 +69,15 @@ test("other numbers have the unit of the screen, and other parameters their labe
     "“Low” must be less than “High”, got 18 mm");
 });
 
+test("a sentence says what sets a parameter to a value: in Python's words, or in those of the page", () => {
+  const registry = /** @type {any} */ ({ options: {
+    suspension: { label: "hung on a", unit: "" }, length: { label: "length", unit: "m" } } });
+  const rule = { name: "", part: /** @type {const} */ ("rule"), text: "give {@suspension=rod} or {@damping=0}, {@length=2}", values: {} };
+  const error = new InputError(rule);
+  assert.equal(error.message, "give suspension='rod' or damping=0, length=2");
+  assert.equal(inPagesWords(registry, error)[0], "give “hung on a” = “rod” or damping=0, “length” = 2");
+});
+
 test("a label stands in one pair of quotes, and a question ends as one", () => {
   const lacks = brokenRule("needed", { parameter: "length" }, { law: "Chirp", unit: " [m]" });
   assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina” [m].");

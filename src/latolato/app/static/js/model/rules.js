@@ -12,18 +12,27 @@
  * @typedef {string | number | {word: string} | Sentence} Value
  *
  * Another language: a sentence by the name of its rule, undefined where it lacks that, words, and what
- * people call a parameter that a sentence names in a gap such as `{@end}`.
+ * people call a parameter that a sentence names in a gap such as `{@end}`, or what sets it to a value: `{@end=2}`.
  * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined,
- *   word: (text: string) => string, label: (parameter: string) => string}} RuleLanguage
+ *   word: (text: string) => string, label: (parameter: string, value?: string) => string}} RuleLanguage
  */
 
 /** @type {Record<string, Rule>} */
 const RULES = {};
 /** @type {RuleLanguage} */
-const ENGLISH = { sentence: () => undefined, word: (text) => text, label: (parameter) => parameter };
+const ENGLISH = { sentence: () => undefined, word: (text) => text, label: pythonName };
 // A gap, and how many digits a number in it has.
-const GAP = /\{(@?\w+)(?::(?:\.(\d+))?(g))?\}/g;
+const GAP = /\{(@|@?\w+(?:=\w+)?)(?::(?:\.(\d+))?(g))?\}/g;
 const DIGITS = 6;
+
+/**
+ * Return what Python calls a parameter, or what sets it to a word or a number.
+ * @param {string} parameter
+ * @param {string} [value]
+ */
+export function pythonName(parameter, value) {
+  return value === undefined ? parameter : `${parameter}=${/^\d/.test(value) ? value : literal(value)}`;
+}
 
 /**
  * Take the rules of a registry.
@@ -57,7 +66,11 @@ export function say(sentence, language = ENGLISH) {
   const digits = Object.fromEntries(Array.from(text.matchAll(GAP), ([, gap, count, isGeneral]) =>
     [gap, isGeneral ? Number(count ?? DIGITS) : 0]));
   return (language.sentence(name, part) ?? text).replace(GAP, (whole, gap) => {
-    if (gap.startsWith("@")) return language.label(gap.slice(1));
+    if (gap === "@") return "{parameter}";
+    if (gap.startsWith("@")) {
+      const [parameter, value] = gap.slice(1).split("=");
+      return language.label(parameter, value);
+    }
     const value = values[gap];
     if (value === undefined) return whole;
     if (typeof value === "number" && digits[gap]) return general(value, digits[gap]);

@@ -1,16 +1,14 @@
 /** Errors in the words of the pages. */
 
-import { InputError, say } from "../model/rules.js";
+import { InputError, pythonName, say } from "../model/rules.js";
 import { local, ruleText, t, tr } from "../strings.js";
 import { short, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
 /** @type {import("../model/rules.js").RuleLanguage} */
-const LANGUAGE = { sentence: ruleText, word: tr, label: (parameter) => {
-  const label = LABELS.get(parameter);
-  return label === undefined ? parameter : quoted(label);
-} };
+const LANGUAGE = { sentence: ruleText, word: tr, label: (parameter, value) =>
+  called(LABELS.get(parameter), parameter, value) };
 // Rules that refuse what is no number in the unit of an option.
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
@@ -38,6 +36,17 @@ export function learnLabels(options) {
 /** @param {string} label */
 function quoted(label) {
   return `\u201c${label}\u201d`;
+}
+
+/**
+ * Return what the page calls a parameter, or what sets it to a word or a number.
+ * @param {string | undefined} label that of its field, if it has one
+ * @param {string} parameter
+ * @param {string} [value]
+ */
+function called(label, parameter, value) {
+  if (label === undefined) return pythonName(parameter, value);
+  return value === undefined ? quoted(label) : `${quoted(label)} = ${/^\d/.test(value) ? value : quoted(tr(value))}`;
 }
 
 /**
@@ -154,8 +163,9 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
  */
 export function inPagesWords(registry, error) {
   const { options } = registry;
-  const language = { ...LANGUAGE, label: (/** @type {string} */ parameter) =>
-    (Object.hasOwn(options, parameter) ? quoted(options[parameter].label) : LANGUAGE.label(parameter)) };
+  /** @type {import("../model/rules.js").RuleLanguage} */
+  const language = { ...LANGUAGE, label: (parameter, value) =>
+    called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
   if (!(error instanceof InputError) || error.parameter === null) return [inLanguage(error, language), null];
   const [name] = error.parameter.split("[");
   const option = options[name];
