@@ -185,6 +185,10 @@ def test_a_unit_of_something_else_is_chosen_before_the_table_is_used(page, angle
     dropped(page, path)
     page.get_by_text("Choose the unit of “theta” in the table first.").wait_for()
     assert page.get_by_role("button", name="Use this table").is_disabled()
+    units = page.get_by_label("unit of theta")
+    assert units.locator("option:checked").inner_text() == "unit?"
+    assert "kg" not in units.inner_text()
+    assert page.locator("th").get_by_text("[kg]").is_visible()
     # German for degrees, elsewhere for gons.
     path = written(tmp_path / "swing.csv", "t (s),Winkel (Grad)", TIME, np.degrees(angle))
     dropped(page, path)
@@ -201,8 +205,8 @@ def test_a_table_that_is_refused_calls_its_columns_as_the_page_does(page, angle,
     dropped(page, path)
     page.get_by_role("button", name="Use this table").click()
     page.get_by_text(
-        "angles from positions need the pivot; give “pivot”, or its columns “x of the pivot” and "
-        "“y of the pivot”"
+        "angles from positions need the pivot; give x and y of the “pivot”, or its columns “x of "
+        "the pivot” and “y of the pivot”"
     ).wait_for()
 
 
@@ -218,13 +222,23 @@ def test_frames_ask_for_their_rate_and_directions_for_theirs(page, angle, tmp_pa
     assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
 
 
+def test_a_doubt_about_a_table_calls_columns_and_choices_as_the_page_does(page, angle, tmp_path):
+    path = written(tmp_path / "above.csv", "t (s),theta (deg)", TIME, np.degrees(angle) + 180.0)
+    dropped(page, path)
+    used(page)
+    page.get_by_text(
+        "“angle of ball 1” is above the pivot in most rows: is it counted from the x axis (“angles "
+        "counted from”)?"
+    ).wait_for()
+
+
 def test_a_spreadsheet_of_frames_without_numbers_asks_for_their_rate(page, angle, tmp_path):
     pytest.importorskip("python_calamine", reason="needs the extra 'tables'")
     rows = [["theta (deg)", "remark"], *([float(each), "ok"] for each in np.degrees(angle))]
     path = tmp_path / "swing.xlsx"
     path.write_bytes(workbook(Sheet1=rows))
     dropped(page, path)
-    page.get_by_text("is not clear which column is time").wait_for()
+    page.get_by_text("is not clear which column is “time”; it has").wait_for()
     rate = page.get_by_label("frames per second")
     enter(rate, "50")
     used(page)

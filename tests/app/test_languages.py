@@ -167,6 +167,12 @@ def sentences_of_rules() -> dict[str, dict[str, str]]:
     }
 
 
+def sentences_of_pages() -> dict[str, dict[str, str]]:
+    """Return the English sentences of all rules as pages say them."""
+    own = json.loads(ENGLISH.read_text(encoding="utf-8"))["rules"]
+    return {name: parts | own.get(name, {}) for name, parts in sentences_of_rules().items()}
+
+
 def one_line(text: str) -> str:
     """Return a text without its line breaks."""
     return " ".join(text.split())
@@ -212,7 +218,7 @@ def test_translations_have_the_gaps_of_the_english_texts(path, english):
     table = json.loads(path.read_text(encoding="utf-8"))
     pairs = [(english[name], text) for name, text in table["strings"].items() if name in english]
     pairs += table["texts"].items()
-    rules = sentences_of_rules()
+    rules = sentences_of_pages()
     pairs += [
         (DIGITS.sub("}", rules[name][part]), text)
         for name, parts in table["rules"].items()
@@ -226,6 +232,17 @@ def test_translations_have_the_gaps_of_the_english_texts(path, english):
     }
     assert not wrong, f"{path.name}: these should have the gaps beside them"
     assert all("other" in text for _, text in pairs if isinstance(text, dict))
+
+
+def test_english_pages_say_in_their_own_words_only_sentences_that_there_are():
+    known = sentences_of_rules()
+    for name, parts in json.loads(ENGLISH.read_text(encoding="utf-8"))["rules"].items():
+        for part, text in parts.items():
+            own = DIGITS.sub("}", known[name][part])
+            assert text != own
+            # A page names what it has; values come with the rule.
+            values = {gap for gap in GAP.findall(text) if not gap.startswith("@")}
+            assert values <= set(GAP.findall(own))
 
 
 def test_analyses_break_every_rule_of_theirs():

@@ -135,7 +135,9 @@ def test_a_run_beside_others_is_chosen_by_its_name(tmp_path):
     assert second.angle_1.values == pytest.approx(-ANGLE, abs=1e-6)
     by_name = import_table(path, {"time": "Run #2/Time", "angle_1": "Run #2/Angle"})
     assert by_name.angle_1.equals(second.angle_1)
-    with pytest.raises(ll.InputError, match=r"2 runs beside each other.*section = 'Run #1'"):
+    with pytest.raises(
+        ll.InputError, match=r"2 runs beside each other.*choose one with section, as in 'Run #1'"
+    ):
         import_table(path)
     with pytest.raises(ll.InputError, match="no section 'Run #3'"):
         import_table(path, section="Run #3")
@@ -299,10 +301,24 @@ def test_a_ball_above_its_pivot_raises_a_question(tmp_path):
     x, y = 0.3 * np.sin(ANGLE), 0.3 * np.cos(ANGLE)
     path = written(tmp_path, "t [s],x [m],y [m]\n" + lines(TIME, x, y))
     table = import_table(path, pivot=(0.0, 0.0))
-    assert "does y point down (y_axis)?" in table.attrs["assumed"]
+    assert "does y point down (y_axis='down')?" in table.attrs["assumed"]
     assert "assumed" not in import_table(path, pivot=(0.0, 0.0), y_axis="down").attrs
     path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) - 180.0))
-    assert "counted from the x axis" in import_table(path).attrs["assumed"]
+    assert "the x axis (angle_from='right')?" in import_table(path).attrs["assumed"]
+
+
+def test_the_command_line_asks_in_the_words_of_its_options(tmp_path, capsys):
+    from latolato.cli.main import main
+
+    path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) - 180.0))
+    assert main(["import", str(path)]) == 0
+    assert "from the x axis (--angle-from right)?" in " ".join(capsys.readouterr().out.split())
+    path = written(tmp_path, "sec,theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE)), "b.csv")
+    assert main(["import", str(path), "--column", "angle_1=theta"]) == 2
+    assert (
+        "name it with --column, as in time = 't [s]', or give --frame-rate"
+        in capsys.readouterr().err
+    )
 
 
 def test_columns_are_named_by_position_where_the_file_has_no_names(tmp_path):
@@ -352,8 +368,8 @@ def test_times_that_fall_are_named_with_their_line_in_the_file(tmp_path):
             {"time": "t [s]", "ball_1_x": "x [m]", "ball_1_y": "y [m]"},
             "need the pivot",
         ),
-        ("a,b\n0,1\n1,2\n", None, "name it, as in time = 'a"),
-        ("t [s],b [kg]\n0,1\n1,2\n", None, r"name it, as in angle_1 = 'NAME \[rad\]'"),
+        ("a,b\n0,1\n1,2\n", None, "name it with columns, as in time = 'a"),
+        ("t [s],b [kg]\n0,1\n1,2\n", None, r"name it with columns, as in angle_1 = 'NAME \[rad\]'"),
         ("t [s],theta [rad]\n0,(1)\n1,(2)\n", None, r"'theta' holds texts such as '\(1\)' in line"),
         ("t [s],theta [rad],x\n0,,1\n1,,2\n", None, "'theta' holds no numbers; save the file with"),
     ],

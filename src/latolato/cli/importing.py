@@ -12,7 +12,8 @@ import typer
 
 from latolato.cli.options import ColumnOption, JsonOption, columns_of, with_options
 from latolato.cli.output import print_summary
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, called
+from latolato.core.parameters import flag_of
 from latolato.experiment.importing import import_table
 from latolato.experiment.track_table import balls_of, read_table, write_table
 from latolato.io.tables.source import read_source
@@ -59,12 +60,16 @@ def import_(
     for name, read in (("frame_rate", frame_rate_of), ("pivot", pivot_of)):
         if values[name] is not None:
             values[name] = read(values[name])
-    table = import_table(file, columns_of(column), **arguments_of(OPTIONS, values))
+    notes: list[str] = []
+    table = import_table(file, columns_of(column), **arguments_of(OPTIONS, values), notes=notes)
     if output is None:
         check_replaces_no_other(table, target)
     write_table(table, target)
     files = {"files": [str(target)]}
-    print_summary(summarise(table) | files, lines_of(table), as_json=as_json)
+    lines = lines_of(table)
+    if notes:
+        lines["note"] = "; ".join(called(note, flag_of) for note in notes)
+    print_summary(summarise(table) | files, lines, as_json=as_json)
 
 
 def default_target(file: Path, section: str | None) -> Path:
@@ -180,5 +185,4 @@ def lines_of(table: xr.Dataset) -> dict[str, str]:
     if height.notnull().any():
         low, high = 1e3 * float(height.min()), 1e3 * float(height.max())
         lines["pivot"] = f"{low:.4g} to {high:.4g} mm high"
-    notes = str(table.attrs.get("assumed", ""))
-    return lines | ({"note": notes} if notes else {})
+    return lines

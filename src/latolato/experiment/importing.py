@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from latolato.core.errors import InputError, reading
+from latolato.core.errors import InputError, name_gap, reading
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantity
 from latolato.core.registry import checked_choice, checked_number, suggest
 from latolato.experiment.rules import broken, said
@@ -404,7 +404,7 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
             raise broken("no_headings", {"count": len(section.columns)})
         wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
         what = next(iter(wanted))
-        named = {"target": what, "path": "NAME", "unit": wanted[what]}
+        named = {"target": name_gap(what), "path": "NAME", "unit": wanted[what]}
         for column in section.columns:
             if _is_called(column, _USUAL[what.removesuffix("_1")]):
                 _refuse_without_numbers(section, column)
@@ -413,7 +413,7 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
             fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
             if fitting:
                 stated = fitting[0].unit or unit
-                named = {"target": target, "path": fitting[0].path, "unit": stated}
+                named = {"target": name_gap(target), "path": fitting[0].path, "unit": stated}
                 break
         rule = "unclear_angle" if has_time else "unclear_time"
         raise broken(rule, {"names": names, **named})
@@ -439,7 +439,7 @@ def _refuse_rivals(section: Section, *, has_rate: bool) -> None:
         if len(found) > 1:
             target = {"time": "time", "angle": "angle_1"}.get(what, f"ball_1_{what}")
             places = ", ".join(f"{c.position} ({c.written})" for c in found)
-            values = {"count": len(found), "target": target, "places": places}
+            values = {"count": len(found), "target": name_gap(target), "places": places}
             raise broken("rival_columns", {**values, "position": found[0].position})
 
 
@@ -461,7 +461,7 @@ def _asked(section: Section, mapping: Mapping[str, str], *, has_rate: bool) -> _
         if target not in known:
             raise broken("no_target", {"name": target}, way_out=suggest(target, known))
     if _RATE in mapping and "angle_1" in mapping:
-        raise broken("angle_or_rate", {"rate": _RATE})
+        raise broken("angle_or_rate", {"rate": name_gap(_RATE)})
     columns = {name: section.column(text) for name, text in mapping.items()}
     asked = _Import(section, columns, section.lines)
     for column, unit in asked.columns.values():
@@ -596,7 +596,7 @@ def _convert(asked: _Import, frame_rate: float | None) -> None:
     pixels = [name for name, is_pixels in places.items() if is_pixels]
     if pixels and len(pixels) < len(places):
         other = next(name for name in places if name not in pixels)
-        raise broken("mixed_positions", {"name": pixels[0], "other": other})
+        raise broken("mixed_positions", {"name": name_gap(pixels[0]), "other": name_gap(other)})
     for name, (column, unit) in asked.columns.items():
         if name in pixels or (name == "time" and (is_clock or frame_rate is not None)):
             continue
@@ -623,7 +623,8 @@ def _quantity(target: str) -> Quantity:
 def _factor(target: str, column: SourceColumn, unit: str) -> float:
     """Return the SI value of a column's unit."""
     quantity = _quantity(target)
-    told = {"column": column.label, "target": target, "units": ", ".join(units_of(target))}
+    units = ", ".join(units_of(target))
+    told = {"column": column.label, "target": name_gap(target), "units": units}
     if not unit:
         raise broken("no_unit", {**told, "path": column.path, "unit": quantity.unit})
     if canonical(unit) is None and canonical(unit.swapcase()) is not None:
@@ -653,14 +654,14 @@ def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
         return angle
     changed = np.abs(unwrapped - angle)
     if np.nanmax(changed) > np.pi:
-        notes.append(said("removed_jumps", column=name))
+        notes.append(said("removed_jumps", column=name_gap(name)))
     # A swing lies about its median; a ball that goes round is counted from where it begins.
     middle = np.median(known) if np.ptp(known) < 2.0 * np.pi else known[0]
     turns = round(float(middle) / (2.0 * np.pi))
     if turns == 0:
         return unwrapped
     rule = "removed_turn" if abs(turns) == 1 else "removed_turns"
-    notes.append(said(rule, count=turns, column=name))
+    notes.append(said(rule, count=turns, column=name_gap(name)))
     result: Floats = unwrapped - 2.0 * np.pi * turns
     return result
 
@@ -675,7 +676,7 @@ def _ask_about_directions(
             continue
         if abs(float(np.nanmedian(angle))) > 0.5 * np.pi:
             rule = "stated_above" if name in stated else "placed_above"
-            notes.append(said(rule, column=name))
+            notes.append(said(rule, column=name_gap(name)))
 
 
 def _place_angles(
@@ -689,7 +690,7 @@ def _place_angles(
     for ball in (1, 2):
         half = {f"ball_{ball}_x", f"ball_{ball}_y"} & columns.keys()
         if len(half) == 1:
-            raise broken("half_place", {"name": half.pop()})
+            raise broken("half_place", {"name": name_gap(half.pop())})
     if pivot is not None:
         for axis, value in zip("xy", pivot, strict=True):
             columns[f"pivot_{axis}"] = np.full(len(columns["time"]), value)
@@ -721,11 +722,11 @@ def _integrated(time: Floats, rate: Floats) -> Floats:
 
     known = np.isfinite(rate) & np.isfinite(time)
     if known.sum() < 8 or np.any(np.diff(time[known]) <= 0.0):
-        raise broken("few_rates", {"rate": _RATE})
+        raise broken("few_rates", {"rate": name_gap(_RATE)})
     spline = CubicSpline(time[known], rate[known]).antiderivative()
     turns = crossings(time[known], rate[known] - np.median(rate[known]))
     if len(turns) < 6:
-        raise broken("few_turns_of_rate", {"rate": _RATE}, value=len(turns))
+        raise broken("few_turns_of_rate", {"rate": name_gap(_RATE)}, value=len(turns))
     tops = spline(turns)
     middles = 0.25 * (tops[:-2] + 2.0 * tops[1:-1] + tops[2:])
     line = np.polyfit(turns[1:-1], middles, 1)

@@ -297,20 +297,22 @@ RULES = {
     "removed_turn": Rule("{count} whole turn taken off {column}"),
     "removed_turns": Rule("{count} whole turns taken off {column}"),
     "stated_above": Rule(
-        "{column} is above the pivot in most rows: is it counted from the x axis ({@angle_from})?"
+        "{column} is above the pivot in most rows: is it counted from the x axis "
+        "({@angle_from=right})?"
     ),
     "placed_above": Rule(
-        "{column} is above the pivot in most rows: does y point down ({@y_axis})?"
+        "{column} is above the pivot in most rows: does y point down ({@y_axis=down})?"
     ),
     # why a table cannot be imported
     "own_table": Rule("it is a track table already", "use it as it is"),
     "one_table": Rule("leave it out: the file is one table"),
     "several_runs": Rule(
-        "it holds {count} runs beside each other: {names}", "choose one, as in section = '{first}'"
+        "it holds {count} runs beside each other: {names}",
+        "choose one with {@section}, as in '{first}'",
     ),
     "several_tracks": Rule(
         "it has {count} tracks: {names}",
-        "name the columns of one or two, as in ball_1_x = '{first}/x'",
+        "name the columns of one or two with {@columns}, as in ball_1_x = '{first}/x'",
     ),
     "frames_only": Rule("it has frame numbers and no time", "give {@frame_rate} in 1/s"),
     "needless_rate": Rule(
@@ -318,16 +320,16 @@ RULES = {
     ),
     "no_headings": Rule(
         "it has no names above its columns ({count})",
-        "name them by position, as in time = '1 [s]'",
+        "name them by position with {@columns}, as in time = '1 [s]'",
     ),
     "unclear_time": Rule(
         "it is not clear which column is {target}; it has {names}",
-        "name it, as in {target} = '{path} [{unit}]'; if each row is a frame, give "
+        "name it with {@columns}, as in {target} = '{path} [{unit}]'; if each row is a frame, give "
         "{@frame_rate} in 1/s",
     ),
     "unclear_angle": Rule(
-        "it is not clear which column is angle_1; it has {names}",
-        "name it, as in {target} = '{path} [{unit}]'",
+        "it is not clear which column is {@angle_1}; it has {names}",
+        "name it with {@columns}, as in {target} = '{path} [{unit}]'",
     ),
     "column_without_numbers": Rule(
         "column {column} holds no numbers",
@@ -335,14 +337,15 @@ RULES = {
     ),
     "rival_columns": Rule(
         "{count} columns may be {target}: {places}",
-        "name one by its position, as in {target} = '{position}'",
+        "name one by its position with {@columns}, as in {target} = '{position}'",
     ),
     "which_time": Rule(
         "which column is the time?",
-        "say which one, or give {@frame_rate} if each row is a frame",
+        "name it with {@columns}, as in time = 't [s]', or give {@frame_rate} if each row is a "
+        "frame",
     ),
     "no_target": Rule("a track table has no column '{name}'"),
-    "angle_or_rate": Rule("give angle_1 or {rate}, not both"),
+    "angle_or_rate": Rule("give {@angle_1} or {rate}, not both"),
     "split_frames": Rule(
         "rows cannot be counted as frames, since line {line} is no row",
         "add a column of frame numbers, or remove that line",
@@ -358,7 +361,7 @@ RULES = {
     ),
     "rate_needs_frames": Rule(
         "column {column} holds no frame numbers, which a frame rate needs",
-        "name the column of frame numbers as time, or leave out {@frame_rate}",
+        "name the column of frame numbers as {@time}, or leave out {@frame_rate}",
     ),
     "frames_need_rate": Rule(
         "column {column} holds frame numbers, not times", "give {@frame_rate} in 1/s"
@@ -368,7 +371,8 @@ RULES = {
     ),
     "no_unit": Rule(
         "the unit of column {column} is missing",
-        "write it in brackets, as in {target} = '{path} [{unit}]'; it may be {units}",
+        "write it in brackets with {@columns}, as in {target} = '{path} [{unit}]'; it may be "
+        "{units}",
     ),
     "misspelt_unit": Rule(
         "column {column} is in [{unit}], which may mean [{meant}]", "write [{meant}]"
@@ -381,7 +385,7 @@ RULES = {
     "half_place": Rule("{name} needs its other coordinate too"),
     "pivot_needed": Rule(
         "angles from positions need the pivot",
-        "give {@pivot}, or its columns pivot_x and pivot_y",
+        "give its x and y as {@pivot}, or its columns {@pivot_x} and {@pivot_y}",
     ),
     "few_rates": Rule("{rate} needs at least 8 numbers at increasing times"),
     "few_turns_of_rate": Rule("an angle from {rate} needs a swing with at least 6 turning points"),

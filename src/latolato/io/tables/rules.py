@@ -130,7 +130,7 @@ RULES = {
         "the comma seems to be delimiter and {parameter} sign at once, or to group thousands: line "
         "{line} is '{text}' below {names}",
         "export it with semicolons or tabs, or with decimal points; if its numbers are whole, give "
-        "decimal = '.'",
+        "{@decimal} '.'",
     ),
     "names_above": Rule("{count} names"),
     # numbers
@@ -140,11 +140,11 @@ RULES = {
     ),
     "points_or_groups": Rule(
         "its points may be {parameter} signs or group thousands: {cell}",
-        "give the decimal sign: decimal = '.' or ','",
+        "give the decimal sign: {@decimal} '.' or ','",
     ),
     "commas_or_groups": Rule(
         "its commas may be {parameter} signs or group thousands: {cell}",
-        "give the decimal sign: decimal = '.' or ','",
+        "give the decimal sign: {@decimal} '.' or ','",
     ),
     "cell_at": Rule("'{cell}' in line {line}, column {column}"),
     "no_number": Rule(
@@ -180,7 +180,7 @@ RULES = {
         "name columns by position, as in '1 [s]'",
     ),
     "several_tables": Rule(
-        "it holds {count} tables: {names}", "choose one, as in section = '{first}'"
+        "it holds {count} tables: {names}", "choose one with {@section}, as in '{first}'"
     ),
     "no_section": Rule("it has no section '{name}'"),
     "many_objects": Rule(

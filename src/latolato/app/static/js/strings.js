@@ -6,7 +6,7 @@
  *
  * A language: its own name, the texts of the pages by their names, the sentences of rules by the names
  * of the rules, and texts that are born as data (titles of presets, labels of parameters) by the
- * English ones.
+ * English ones. English has only the sentences that pages say otherwise than Python and the command line.
  * @typedef {{name: string, beta?: boolean, strings: Record<string, Text>, texts: Record<string, string>,
  *   rules: Record<string, {rule?: string, way_out?: string}>}} Language
  */
@@ -15,8 +15,8 @@ import { loadJson } from "./kernels/files.js";
 
 export const ENGLISH = "en";
 // What a page says until it speaks another language, and where that language lacks a text.
-/** @type {Record<string, Text>} */
-const STRINGS = (await loadJson(`languages/${ENGLISH}.json`)).strings;
+/** @type {Language} */
+const { strings: STRINGS, rules: RULES } = await loadJson(`languages/${ENGLISH}.json`);
 const GAP = /\{(\w+)\}/g;
 
 // Gaps that hold names and texts, in which a point between digits is no decimal point.
@@ -29,8 +29,7 @@ const spoken = {
   strings: STRINGS,
   /** @type {Map<string, string>} */
   texts: new Map(),
-  /** @type {Language["rules"]} */
-  rules: {},
+  rules: RULES,
 };
 
 /** Return the code of the language of the page. */
@@ -45,7 +44,7 @@ export function languageCode() {
  */
 export function setLanguage(code, { strings, texts, rules }) {
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
-    rules, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
+    rules: { ...RULES, ...rules }, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
 }
 
 /**
@@ -83,7 +82,7 @@ export function capitalised(text) {
 }
 
 /**
- * Return a sentence of a rule in the language of the page, undefined where it is the English one.
+ * Return a sentence of a rule in the words of the page, undefined where they are those of Python.
  * @param {string} rule
  * @param {"rule" | "way_out"} part
  */

@@ -2,7 +2,6 @@
 
 import { el } from "../page/dom.js";
 import { choice } from "../page/fields.js";
-import { withLabels } from "../page/option_labels.js";
 import { sentenceInLanguage } from "../page/refusals.js";
 import { shownUnit } from "../page/unit_text.js";
 import { capitalised, t } from "../strings.js";
@@ -116,8 +115,6 @@ export class SheetCard {
    */
   constructor(roles, changed) {
     this.roles = roles;
-    /** What the page calls roles, for sentences that name them. */
-    this.words = Object.fromEntries(Object.keys(roles).map((role) => [role, { label: t(`role_${role}`) }]));
     this.changed = changed;
     this.content = "";
     /** @type {Sheet | null} */
@@ -154,7 +151,7 @@ export class SheetCard {
     this.root.replaceChildren(el("h2", {}, t("sheet")),
       isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", sentenceInLanguage(about)),
       ...notes.map((note) => sentence("hint", sentenceInLanguage(note))),
-      question === null || isOwn ? "" : sentence("hint", withLabels(sentenceInLanguage(question), this.words)),
+      question === null || isOwn ? "" : sentence("hint", sentenceInLanguage(question)),
       parts.length > 1 ? this.choice(sheet) : "",
       isOwn ? "" : el("p", { class: "hint" }, t("sheetHint")),
       el("div", { class: "table-scroll", tabindex: "0", role: "region", "aria-label": t("sheet") },
@@ -185,11 +182,12 @@ export class SheetCard {
       const { roles, units: chosenUnits } = /** @type {Sheet} */ (this.sheet);
       const now = roles[position] ?? NONE;
       const known = this.roles[now] ?? [];
-      const own = chosenUnits[position];
+      // One of something else is as good as none.
+      const own = known.includes(chosenUnits[position]) ? chosenUnits[position] : "";
       // Times on a clock have no unit.
       const isOpen = known.length > 0 && kind !== "texts"
         && (inferred !== "" || !known.includes(unit));
-      const listed = known.includes(own) ? known : [own, ...known];
+      const listed = own ? known : ["", ...known];
       if (units.dataset.list !== listed.join()) {
         units.dataset.list = listed.join();
         units.replaceChildren(...listed.map((each) =>
@@ -198,8 +196,9 @@ export class SheetCard {
       role.value = now;
       units.value = own;
       units.hidden = !isOpen;
-      stated.hidden = isOpen;
-      units.setAttribute("aria-invalid", String(!known.includes(own)));
+      // What the file states stays beside what is chosen instead.
+      stated.hidden = isOpen && inferred !== "";
+      units.setAttribute("aria-invalid", String(own === ""));
     });
     return el("th", { scope: "col" }, el("span", { class: "column" }, path, " ", stated), role, units);
   }

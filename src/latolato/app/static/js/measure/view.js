@@ -4,7 +4,6 @@ import { Clock } from "../player/clock.js";
 import { Curves } from "../player/curves.js";
 import { el, refresh } from "../page/dom.js";
 import { findingPlace, showFinding } from "../page/finding.js";
-import { withLabels } from "../page/option_labels.js";
 import { textsOf } from "../page/option_texts.js";
 import { openState } from "../page/links.js";
 import { inPagesWords, learnLabels, sentenceInLanguage, warningsText } from "../page/refusals.js";
@@ -26,7 +25,7 @@ import { panelsOf } from "./track.js";
 const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
 /** What sets the parameters that have no field. */
 const CONTROLS = { start: "startHere", end: "endHere", click_frame: "pointHere", balls: "ballCount",
-  angle_from: "angleFrom", y_axis: "yDown", pivot: "pivot" };
+  angle_from: "angleFrom", y_axis: "yDown", pivot: "pivot", section: "sheetPart", decimal: "decimal" };
 /** A link with this part clips an example and measures it. */
 const LINKED = "measure.example";
 
@@ -79,10 +78,8 @@ export class MeasureView {
     } },
     this.side, el("div", { class: "main" }, this.welcome, this.said, this.preview, this.player,
       this.trials, this.exports));
-    this.session = new Session(() => this.update(), (error) => {
-      const [text, field] = inPagesWords(this.setup?.form.registryInWords ?? this.page.registry, error);
-      return [withLabels(text, this.sheet?.words ?? {}), field];
-    });
+    this.session = new Session(() => this.update(), (error) =>
+      inPagesWords(this.setup?.form.registryInWords ?? this.page.registry, error));
     this.update();
   }
 
@@ -185,7 +182,10 @@ export class MeasureView {
       sheet: (change) => this.sheetChanged(change),
       sign: (decimal) => this.signed(decimal),
     });
-    this.sheet = new SheetCard(hello.tables.roles, (change) => this.sheetChanged(change));
+    // What a column may be, in the words of the menus above the table.
+    const { roles } = hello.tables;
+    learnLabels(Object.fromEntries(Object.keys(roles).map((role) => [role, { label: t(`role_${role}`) }])));
+    this.sheet = new SheetCard(roles, (change) => this.sheetChanged(change));
     this.preview.replaceChildren(this.sheet.root);
     this.setup = setup;
     this.form.replaceChildren(setup.root);
