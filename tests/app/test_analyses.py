@@ -400,7 +400,8 @@ def test_a_value_that_a_field_offers_is_taken(page, watch):
     page.wait_for_selector(".error:visible")
     watch.faults.clear()  # the server refuses the request
     enter(field, "1e9")
-    page.get_by_role("button", name="Take 57.29").click()
+    page.get_by_text("must be above 0° and at most 57.29°, got").wait_for()
+    page.get_by_role("button", name="Take 57.29 °").click()
     assert field.input_value() == "57.29"
 
 
@@ -417,7 +418,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
     page.goto("/?view=analyse&scenario=fig02&analyse.what=basins&analyse.angle_tolerance=7"
               "&analyse.ask=1")  # fmt: skip
     alert = page.get_by_role("alert").filter(
-        has_text="“Angle tolerance” must be above 0° and at most 57.2958°, got 401.07"
+        has_text="“Angle tolerance” must be above 0° and at most 57.29°, got 401.07"
     )
     alert.wait_for()
     field = page.get_by_role("textbox", name="Angle tolerance")
@@ -431,8 +432,8 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("lang=en&scenario=kapitza&analyse.what=self_start&analyse.ask=1",
          "use a LatoLato or BallPair"),
         ("lang=en&scenario=toy&length=1.5+cm",
-         "“radius of one ball” must be at least 0 mm and below the length, got 18; give less "
-         "than 15"),
+         "“radius of one ball” must be at least 0 mm and below the length, got 18 mm; give less "
+         "than 15 mm"),
         ("lang=id&scenario=fig02&analyse.what=impact_map&analyse.ask=1",
          "Peta tumbukan membutuhkan dinding, dan Bandul tidak punya; pakai Lato-lato"),
         ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
@@ -445,7 +446,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("lang=en&analyse.what=first_push&analyse.frequency_ratio= &analyse.ask=1",
          "This analysis needs “Driving over natural frequency”; give values such as 0 : 1 : 11"),
         ("lang=id&scenario=toy&length=1.5+cm",
-         "tetapi diberikan 18; "),
+         "tetapi diberikan 18 mm; "),
     ],
 )  # fmt: skip
 def test_refusals_are_in_the_words_and_the_language_of_the_page(page, query, text, watch):

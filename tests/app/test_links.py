@@ -16,7 +16,7 @@ BROKEN = [
 # sentences of all refusals are compared elsewhere.
 REFUSED = {
     "length=3 kg": "“pivot to ball centre”", "scenario=fig02&restitution=0.5": "restitution",
-    "scenario=toy&radius=40 cm": "must be at least 0 cm and below the length, got 40",
+    "scenario=toy&radius=40 cm": "must be at least 0 cm and below the length, got 40 cm",
 }  # fmt: skip
 
 
@@ -74,7 +74,7 @@ def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page)
     "query, name, text, problem, nearest",
     [
         ("", "Bounciness", "2", "“Bounciness” must lie between 0 and 1, got 2", "1"),
-        ("", "How far the hand moves", "99999", "must lie between 0 and 900 mm", "900 mm"),
+        ("", "How far the hand moves", "99999", "must lie between 0 mm and 900 mm", "900 mm"),
         ("&toy.hand=1", "Bounciness", "-1", "must lie between 0 and 1", "0"),
     ],
 )

@@ -468,7 +468,7 @@ def test_a_fixed_parameter_changes_alone_and_the_address_says_of_which_map(page)
 
 
 REFUSED = [
-    ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 and 1e+30 s"),
+    ("each run lasts", 0, "1e300", "“each run lasts” must lie between 0 s and 1e+30 s"),
     ("each run lasts", 0, "-3", "Each run must last longer than 0 s, got -3 s."),
     (
         "leave out",

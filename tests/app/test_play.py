@@ -605,14 +605,14 @@ def test_a_start_in_the_wall_is_refused_in_the_unit_of_its_field(page):
     page.get_by_label("unit of initial angle").select_option("deg")
     enter(field, "0.5")
     beyond = re.compile(
-        "must lie between the contact angles, 5.16.* and 174.8.*°, got 0.5; give one"
+        "must lie between the contact angles, 5.16.*° and 174.8.*°, got 0.5°; give one"
     )
     page.locator(".form .error").filter(has_text=beyond).wait_for()
     page.locator(".stage-messages").filter(has_text=beyond).wait_for()
     page.get_by_label("unit of initial angle").select_option("rad")
     enter(field, "0.01")
     beyond = re.compile(
-        "must lie between the contact angles, 0.0901.* and 3.05.* rad, got 0.01; give one"
+        "must lie between the contact angles, 0.0901.* rad and 3.05.* rad, got 0.01 rad; give one"
     )
     page.locator(".form .error").filter(has_text=beyond).wait_for()
     page.locator(".stage-messages").filter(has_text=beyond).wait_for()

@@ -24,6 +24,12 @@ test("the ends of an interval have the digits of the standard deviation", () => 
   assert.equal(toPlace(123456, 300), "123460");
   assert.equal(toPlace(-3.14e-5, 2e-7), "−3.14e−5");
   assert.equal(toPlace(5, NaN), "5");
+  // Sigma decides, also where the value is much smaller: both are read as one number.
+  assert.equal(withSigma(3e-5, 0.01), "0.000 ± 0.010");
+  assert.equal(toPlace(3e-5, 0.01), "0.000");
+  assert.equal(toPlace(0, 0.01), "0.000");
+  assert.equal(toPlace(3e-7, 5e-5), "0");
+  assert.equal(toPlace(40, 3000), "0");
 });
 
 const track = (afterGaps = []) => new Track({

@@ -30,20 +30,20 @@ test("a refusal has the unit and the label of the screen", () => {
   const registry = /** @type {any} */ ({ options: { angle: option } });
   const beyond = brokenRule("at_most", { parameter: "angle", value: 2 }, { range: "[0, 1.570796327] rad", end: "1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
-    ["“Where it starts” must lie between 0 and 90°, got 114.592", "angle"]);
+    ["“Where it starts” must lie between 0° and 90°, got 114.592°", "angle"]);
   limits[1].is_open = true;
   assert.equal(inPagesWords(registry, beyond)[0],
-    "“Where it starts” must be at least 0° and below 90°, got 114.592");
+    "“Where it starts” must be at least 0° and below 90°, got 114.592°");
   const walls = refusal(problem("angle", "{parameter} must lie between the contact angles [{low:.13g}, {high:.13g}] rad",
-    { low: 0.3490658504, high: Math.PI, angle: Math.PI / 360 }, "give one at which the balls do not overlap"));
-  assert.equal(walls.message, "angle must lie between the contact angles [0.3490658504, 3.14159265359] rad, "
+    { low: Math.PI / 9, high: Math.PI, angle: Math.PI / 360 }, "give one at which the balls do not overlap"));
+  assert.equal(walls.message, "angle must lie between the contact angles [0.3490658503989, 3.14159265359] rad, "
     + "got 0.00872664626; give one at which the balls do not overlap");
   assert.equal(inPagesWords(registry, walls)[0], "“Where it starts” must lie between the contact angles, "
-    + "20 and 180°, got 0.5; give one at which the balls do not overlap");
+    + "20° and 180°, got 0.5°; give one at which the balls do not overlap");
   const apart = refusal(problem("turn", "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
     { angle: -Math.PI / 2 }, ""));
   assert.equal(inPagesWords(registry, apart)[0], "the separation “Where it starts”[0] - “Where it starts”[1] "
-    + "must lie between 0 and 360°, got -90");
+    + "must lie between 0° and 360°, got -90°");
   const words = brokenRule("quantity_of_unit", { parameter: "angle", value: "x" }, { unit: "rad" });
   assert.equal(words.message, "angle must be given in rad (or a unit that converts to it), got 'x'");
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
@@ -56,9 +56,9 @@ test("a rule that is no limit of its option says its own end", () => {
   const says = (/** @type {InputError} */ error) => inPagesWords(registry, error)[0];
   const values = { range: "(0, inf) m", end: "0" };
   assert.equal(says(brokenRule("more_than", { parameter: "low", value: 0 }, values)),
-    "“Low” must be above 0 mm, got 0");
+    "“Low” must be above 0 mm, got 0 mm");
   assert.equal(says(brokenRule("at_least", { parameter: "low", value: -1 }, values)),
-    "“Low” must be at least 0 mm, got -1000");
+    "“Low” must be at least 0 mm, got -1000 mm");
 });
 
 test("other numbers have the unit of the screen, and other parameters their labels", () => {
@@ -67,6 +67,21 @@ test("other numbers have the unit of the screen, and other parameters their labe
   const rule = { name: "", part: /** @type {const} */ ("rule"), text: "must be less than {@high}", values: {} };
   assert.equal(inPagesWords(registry, new InputError(rule, { parameter: "low", value: 0.018 }))[0],
     "“Low” must be less than “High”, got 18 mm");
+});
+
+test("ends of intervals are shown as numbers that they hold, and what is no number as such", () => {
+  const limits = [{ is_lower: true, end: 0.1001674, is_open: false, rule: "at_least", values: { end: "0.1001674" } },
+    { is_lower: false, end: 1, is_open: false, rule: "at_most", values: { end: "1" } }];
+  const angle = { label: "Angle", unit: "rad", units: [{ name: "deg", size: Math.PI / 180 }], limits };
+  const registry = /** @type {any} */ ({ options: { angle } });
+  const says = (/** @type {number} */ value) => inPagesWords(registry, brokenRule("at_most",
+    { parameter: "angle", value }, { range: "[0.1001674, 1] rad", end: "1" }))[0];
+  // 1 rad is 57.29578 degrees, and the lower end 5.73917.
+  assert.equal(says(2), "“Angle” must lie between 5.74° and 57.29°, got 114.592°");
+  assert.equal(says(Infinity), "“Angle” must lie between 5.74° and 57.29°, got inf");
+  const rule = { name: "", part: /** @type {const} */ ("rule"), text: "must be known", values: {} };
+  assert.equal(inPagesWords(registry, new InputError(rule, { parameter: "angle", value: NaN }))[0],
+    "“Angle” must be known, got nan");
 });
 
 test("a sentence says what sets a parameter to a value: in Python's words, or in those of the page", () => {

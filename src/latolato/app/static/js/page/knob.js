@@ -278,9 +278,8 @@ export class Knob {
     this.isRefused = true;
     const [low, high] = this.limits;
     const nearest = value === null || this.reaches(value) ? null : value < low ? low : high;
-    const [least, most] = this.limits.map((end) => localShort(end / this.unit.size, 4));
-    const text = problem ?? t("outOfRange", { name: this.label, low: least,
-      high: `${most} ${shownUnit(this.shownAs.name)}`.trim() });
+    const [least, most] = this.limits.map((end) => (Number.isFinite(end) ? this.wordsOf(end) : end < 0 ? "−∞" : "∞"));
+    const text = problem ?? t("outOfRange", { name: this.label, low: least, high: most });
     this.error(text);
     if (nearest !== null && this.problemWith(nearest) === null)
       this.note.append(text.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },

@@ -1,8 +1,8 @@
 /** Errors in the words of the pages. */
 
-import { InputError, pythonName, say } from "../model/rules.js";
+import { InputError, literal, pythonName, say } from "../model/rules.js";
 import { local, ruleText, t, tr } from "../strings.js";
-import { short, shownUnit } from "./unit_text.js";
+import { short, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -129,28 +129,29 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
     return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
       { ...error.about, value });
   if (typeof value !== "number") return error;
-  const number = (/** @type {any} */ each) => short(each / size);
-  const withUnit = (/** @type {any} */ each) =>
-    `${number(each)}${shown && (shown.startsWith("°") ? shown : ` ${shown}`)}`;
-  const own = { ...about, value: Number(number(value)) };
+  const unitAfter = shown && (shown.startsWith("°") ? shown : ` ${shown}`);
+  const withUnit = (/** @type {number} */ each) =>
+    (Number.isFinite(each) ? `${short(each / size)}${unitAfter}` : literal(each));
+  const lower = (/** @type {number} */ end) => withUnit(shownEnd(end / size, true) * size);
+  const upper = (/** @type {number} */ end) => withUnit(shownEnd(end / size, false) * size);
+  const own = { ...about, shown: withUnit(value) };
   if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
     const [least, most] = endsOf(limits, rule);
     if (!least && !most) return error;
     const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
-    const shownEnd = (/** @type {{end: number, is_open: boolean} | null} */ end) =>
-      end && { end: withUnit(end.end), is_open: end.is_open };
-    return new InputError(isClosed ? t("refuseBetween", { low: number(least.end), high: withUnit(most.end) })
-      : t("refuseEnds", { ends: endsText(shownEnd(least), shownEnd(most)) }),
+    return new InputError(isClosed ? t("refuseBetween", { low: lower(least.end), high: upper(most.end) })
+      : t("refuseEnds", { ends: endsText(least && { ...least, end: lower(least.end) },
+        most && { ...most, end: upper(most.end) }) }),
     // The way out of an end only repeats it.
     { ...own, ...(SIZES.includes(rule.name) && { wayOut }) });
   }
   const { low = 0, high = TURNS[rule.name], length } = rule.values;
   if (rule.name in STARTS)
-    return new InputError(t(STARTS[rule.name], { parameter: "{parameter}", low: number(low), high: withUnit(high) }),
+    return new InputError(t(STARTS[rule.name], { parameter: "{parameter}", low: lower(Number(low)), high: upper(Number(high)) }),
       { ...own, ...(wayOut && { wayOut }) });
   if (RADII.includes(rule.name))
     return new InputError(t("refuseEnds", { ends: endsText({ end: withUnit(0), is_open: false },
-      { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: number(length) }) });
+      { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: withUnit(Number(length)) }) });
   return shown ? new InputError(rule, { ...error.about, shown: withUnit(value) }) : error;
 }
 

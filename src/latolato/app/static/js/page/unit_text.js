@@ -37,6 +37,25 @@ export function short(value, digits = 6) {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
+// How many digits the ends of intervals are shown with.
+const END_DIGITS = 4;
+// Two numbers are the same up to so much of them, as after a conversion of units.
+const SAME = 1e-12;
+
+/**
+ * Return the end of an interval as it is shown: rounded to a number that the interval holds.
+ * @param {number} end
+ * @param {boolean} isLower
+ * @returns {number}
+ */
+export function shownEnd(end, isLower) {
+  const nearest = Number(end.toPrecision(END_DIGITS));
+  const excess = isLower ? end - nearest : nearest - end;
+  if (!(excess > SAME * Math.abs(end))) return nearest;
+  const place = 10 ** (Math.floor(Math.log10(Math.abs(end))) + 1 - END_DIGITS);
+  return Number((nearest + (isLower ? place : -place)).toPrecision(END_DIGITS));
+}
+
 /**
  * Return a number with so many digits, as the language of the page writes it.
  * @param {number} value
@@ -74,10 +93,12 @@ export function withSigma(value, sigma) {
 export function toPlace(value, sigma) {
   const minus = (/** @type {string} */ text) => text.replaceAll("-", "−");
   const digits = 1 - Math.floor(Math.log10(sigma));
-  if (digits >= 0 && digits <= 12 && Math.abs(value) >= SMALL) return minus(local(value.toFixed(digits)));
-  // Small and large numbers as powers of ten.
+  if (digits >= 0 && digits <= 12 && Math.max(Math.abs(value), sigma) >= SMALL)
+    return minus(local(value.toFixed(digits)));
+  // Small and large numbers as powers of ten; one below that place is 0.
   const figures = Math.floor(Math.log10(Math.abs(value))) + digits + 1;
-  return minus(localShort(value, Number.isFinite(figures) ? Math.min(Math.max(figures, 1), 12) : 5));
+  if (figures < 1) return "0";
+  return minus(localShort(value, Number.isFinite(figures) ? Math.min(figures, 12) : 5));
 }
 
 /** @param {number} power */
