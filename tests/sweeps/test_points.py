@@ -461,5 +461,5 @@ def test_a_point_with_too_many_steps_is_named_whatever_its_drag():
     assert not batch.valid.any()
     assert batch.reason.endswith(
         "the limit is 1e+10; shorten it, loosen tolerance (with contact 'clamp': enlarge "
-        "clamp_step), or slow the motion: less damping, a slower start or a slower drive"
+        "clamp_step), or choose less damping, a slower start or a slower drive"
     )

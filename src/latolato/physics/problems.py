@@ -141,8 +141,8 @@ PROBLEMS = (
         "too many steps",
         "a run of this {parameter} would take {steps:.3g} steps of {step:.3g} s, the limit is "
         "{limit:g}",
-        "shorten it, loosen {@tolerance} (with contact 'clamp': enlarge {@clamp_step}), or slow "
-        "the motion: less damping, a slower start or a slower drive",
+        "shorten it, loosen {@tolerance} (with contact 'clamp': enlarge {@clamp_step}), or choose "
+        "less damping, a slower start or a slower drive",
         ("steps", "step", "limit"), "duration",
     ),
     # Of points of a map.
