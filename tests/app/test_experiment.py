@@ -42,17 +42,18 @@ def fill(page, label, text):
 
 DRAWN = """async frame => {
   const { screen } = window.latolato.views.measure;
+  const { clock, video } = screen;
   screen.isMarked = screen.hasGhost = false;
-  if (screen.clock.index !== frame) {
-    const seen = new Promise(done => {
-      const end = screen.clock.subscribe(() => {
-        if (screen.clock.index === frame) { end(); done(); }
-      });
-    });
-    screen.clock.go(frame);
-    await seen;
-  }
-  await new Promise(done => setTimeout(done, 50));
+  if (clock.index !== frame) await new Promise(done => {
+    // The clock may be there before the picture.
+    const look = (_, { mediaTime }) => {
+      if (clock.media.findLastIndex(time => time <= mediaTime + 2e-4) === frame) done();
+      else video.requestVideoFrameCallback(look);
+    };
+    video.requestVideoFrameCallback(look);
+    clock.go(frame);
+  });
+  while (video.seeking || video.readyState < 2) await new Promise(requestAnimationFrame);
   screen.draw();
   const { canvas, drawn, size, track } = screen;
   const context = new OffscreenCanvas(canvas.width, canvas.height)

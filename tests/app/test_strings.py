@@ -52,16 +52,18 @@ def test_a_ball_on_a_slack_string_leaves_its_circle_and_its_distance_is_written(
         assert not text or text.startswith(", slack at ")
 
 
+# At how many places controls are while a run is played, and what is written of its times.
 PLACES = """() => {
   const { player } = window.latolato.views.toy;
   const below = [...document.querySelectorAll(".transport button, .knobs input")];
-  const seen = new Map();
+  const [places, texts] = [new Set(), new Set()];
   for (let time = 0; time < player.motion.end; time += 0.02) {
     player.clock.seek(time);
-    const places = below.map((each) => each.getBoundingClientRect());
-    seen.set(JSON.stringify(places.map(({ x, y }) => [x, y])), player.timeText.textContent);
+    const boxes = below.map((each) => each.getBoundingClientRect());
+    places.add(JSON.stringify(boxes.map(({ x, y }) => [x, y])));
+    texts.add(player.timeText.textContent);
   }
-  return [...seen.values()];
+  return { places: places.size, texts: [...texts] };
 }"""
 
 
@@ -69,7 +71,10 @@ PLACES = """() => {
 def test_nothing_moves_on_a_phone_when_a_string_is_slack(page, query):
     page.set_viewport_size({"width": 390, "height": 844})
     opened(page, f"{query}&suspension=string&lang=id")
-    assert len(page.evaluate(PLACES)) == 1
+    found = page.evaluate(PLACES)
+    # The text of a slack string comes and goes.
+    assert {"kendur" in text for text in found["texts"]} == {True, False}
+    assert found["places"] == 1
 
 
 def test_a_pivot_that_moves_sideways_is_drawn_there(page):

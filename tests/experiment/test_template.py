@@ -1,6 +1,7 @@
 """Bobs that are no discs, by a template: their true angles lie within the errors."""
 
 from functools import cache
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +11,12 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.track_table import read_table
+from latolato.experiment.tracking.appearance import Colours
+from latolato.experiment.tracking.body import learn_body
+from latolato.experiment.tracking.kernels.layers import colour_coefficients, linear_light
 from latolato.experiment.tracking.positions import Positions
+from latolato.experiment.tracking.teach import Sighting
+from latolato.experiment.video import Frame
 
 CLIPS = {
     "square": {},
@@ -109,6 +115,28 @@ def test_what_is_no_bob_is_refused(filmed, click, settings, match):
     arguments = {"shape": "template", **settings}
     with pytest.raises(InputError, match=match):
         ll.track(path, pivot=pivot, balls=[click or bob], length=0.3, **arguments)
+
+
+def learned(contrast):
+    """Return what is learned from a square of 11 pixels, so much brighter than the wall."""
+    colours = Colours(linear_light("srgb"), colour_coefficients("bt709", True))
+    wall = np.random.default_rng(1).integers(90, 110, (80, 80)).astype(np.uint8)
+    chroma = np.full((40, 40), 128, np.uint8)
+    luma = wall.copy()
+    luma[35:46, 35:46] += np.uint8(contrast)
+    look = SimpleNamespace(
+        paint=np.zeros((57, 57, 3), np.float32), colours=colours, body=None, whitened=lambda: None
+    )
+    bob, pivot = np.array([40.0, 40.0]), np.array([40.0, 5.0])
+    click = Sighting(0, bob, pivot, 0.0, 0.0, 1.0, np.zeros(2))
+    learn_body(look, [Frame(0, 0.0, luma, chroma, chroma)], [click], (wall, chroma, chroma))
+    return look
+
+
+def test_a_patch_that_looks_like_the_wall_behind_it_is_refused():
+    assert learned(40).radius == pytest.approx(5.5, abs=1.0)  # half of the square
+    with pytest.raises(InputError, match="the patch around the click looks like its surroundings"):
+        learned(0)
 
 
 def test_a_body_covers_what_it_is_turned_to():
