@@ -304,7 +304,7 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     assert 500 < known < 4096
     page.get_by_text("Download", exact=True).click()
     path = download(page.get_by_role("button", name="CSV"), tmp_path)
-    assert path.name == "latolato_map_fig05_push.unfinished.csv"
+    assert path.name == "latolato_map_fig05_push_64x64.unfinished.csv"
     part = ll.load(path)
     assert int((part.status == "missing").sum()) == 4096 - known
     with next_map(page):
@@ -325,15 +325,20 @@ def test_a_map_that_was_stopped_goes_on_and_is_stored_with_its_numbers(page, tmp
     np.testing.assert_allclose(part.largest_angle.values[done], shown[done], rtol=1e-15)
 
 
-def test_a_map_is_coarse_until_somebody_asks_for_all_points(page):
+def test_a_map_is_coarse_until_somebody_asks_for_all_points(page, tmp_path):
     open_map(page, "&map.scenario=fig05_push&map.duration=1&map.observable=largest_angle")
     done = "() => window.latolato.views.map.grid.done"
     assert page.evaluate(done) == 50 * 50
     page.get_by_text("Finer: 40000 points.").wait_for()
+    page.get_by_text("Download", exact=True).click()
+    csv, screen = (page.get_by_role("button", name=name) for name in ("CSV", "of the screen"))
+    assert download(csv, tmp_path).name == "latolato_map_fig05_push_50x50.csv"
+    assert download(screen, tmp_path).name == "latolato_map_fig05_push_screen.png"
     with next_map(page):
         page.get_by_role("button", name="Finer", exact=True).click()
     assert page.evaluate(done) == 200 * 200
     page.get_by_text("40000 points, 37500 of them new").wait_for()
+    assert download(csv, tmp_path).name == "latolato_map_fig05_push_200x200.csv"
     # A link to this map names its points.
     page.wait_for_function("() => location.search.includes('map.size=200')")
     assert page.get_by_label("Points", exact=True).input_value() == "200"

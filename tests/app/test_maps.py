@@ -233,6 +233,27 @@ def test_a_table_of_the_page_opens_as_the_sweep(name, shown, tmp_path):
             np.testing.assert_array_equal(np.isnan(found[variable]), np.isnan(wanted[variable]))
 
 
+def test_a_table_of_a_coarse_map_holds_its_points_alone(tmp_path):
+    coarse = {"width": 99, "height": 6, "stride": 4}
+    requests = [SWEEPS["fig05_push"] | coarse, KINDS["kicks"] | coarse]
+    pages = views_in_node([{"request": request} for request in requests])
+    found = []
+    for page in pages:
+        (tmp_path / "map.csv").write_text(page["csv"])
+        found.append((ll.load(tmp_path / "map.csv"), sweep_of(scenario_of(page["tables"]))))
+    (few, whole), (kicked, _) = found
+    for axis in whole.dims:
+        np.testing.assert_array_equal(few[axis], whole[axis][::4])
+    assert few.sizes == {"drive_amplitude": 2, "frequency_ratio": 25}
+    assert not (few.status == "missing").any()
+    assert few.attrs["subset"] == "every 4th value along both axes of a map of 99 x 6 points"
+    assert "unfinished" not in few.attrs
+    # Kicks are those of a point's number among all: these points are no sweep of their own.
+    assert kicked.status.size == 99 * 6
+    assert int((kicked.status != "missing").sum()) == 2 * 25
+    assert kicked.attrs["unfinished"].startswith("544 of 594 points are not computed")
+
+
 def test_exponents_fit_no_table(shown):
     (page,) = views_in_node([{"request": KINDS["exponent"] | {"observable": "lyapunov_exponents"}}])
     assert page["csv"] == (

@@ -92,7 +92,7 @@ def test_a_sweep_is_computed_without_a_server_that_computes(visit, web, name, tm
     assert visit.locator(":is(.message, .error):visible").all_inner_texts() == []
     visit.get_by_text("Download", exact=True).click()
     path = download(visit.get_by_role("button", name="CSV"), tmp_path)
-    assert path.name == f"latolato_map_{name}.csv"
+    assert path.name == f"latolato_map_{name}_10x10.csv"
     visit.get_by_text("The installed program also stores NetCDF").wait_for()
 
 

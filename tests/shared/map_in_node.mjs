@@ -38,7 +38,7 @@ async function shown({ request, run: cell, planned }) {
     if (planned) return heard;
     heard.steps = estimate.steps;
     heard.points = [];
-    await pool.compute(question.plan, estimate, { onCells: (cells, { points }) => {
+    await pool.compute(question.plan, estimate, { stride: request.stride, onCells: (cells, { points }) => {
       grid.put(cells);
       heard.points.push(points);
     } });

@@ -5,7 +5,7 @@ import { FileQueue, fileOf } from "../page/jobs.js";
 import { t } from "../strings.js";
 import { lookOf } from "./colours.js";
 import { pictureOf } from "./image.js";
-import { csvOf, mapTables } from "./table.js";
+import { csvOf, mapTables, pointsOnShow } from "./table.js";
 
 /** @typedef {import("./view.js").MapView} MapView */
 
@@ -51,14 +51,16 @@ export class MapFiles {
     }
     try {
       const name = baseOf(view);
-      if (kind === "screen") saveMap(await pictureOf(view), name, "png", 0);
-      else if (kind === "csv" && question)
-        saveMap(new Blob([csvOf(question, grid)], { type: "text/csv" }), name, kind, grid.width * grid.height - grid.done);
-      else {
+      if (kind === "screen") saveMap(await pictureOf(view), `${name}_screen`, "png", 0);
+      else if (kind === "csv" && question) {
+        const { x, y, missing } = pointsOnShow(question, grid);
+        saveMap(new Blob([csvOf(question, grid)], { type: "text/csv" }), `${name}_${x.values.length}x${y.values.length}`, kind, missing);
+      } else {
         const request = { kind, ...fileRequestOf(view, grid) };
         await files.add(t(fileText(kind)), async () => {
           const block = await job.run("ws/map/file", request);
-          if (block) saveMap(fileOf(block, "file", block.about.type), name, kind, block.about.missing);
+          const whole = question ? `${name}_${grid.width}x${grid.height}` : name;
+          if (block) saveMap(fileOf(block, "file", block.about.type), whole, kind, block.about.missing);
         });
       }
     } catch (error) {

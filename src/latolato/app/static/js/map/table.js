@@ -2,7 +2,6 @@
 
 import { column as columnOf, csv, tablesOf } from "../model/run_files.js";
 import { InputError } from "../model/rules.js";
-import { NOT_YET } from "./grid.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("./grid.js").Grid} Grid */
@@ -28,7 +27,24 @@ export function mapTables({ registry, options, x, y, plan, watched, duration, tr
 }
 
 /**
- * Return a map as a table with a row for each point, which `latolato.load` reads.
+ * Return the points of the map on show: the values of its axes, the cells in which they lie, and how
+ * many are not computed. A coarse map is a whole one of fewer points, except with kicks: those of a
+ * cell follow from its number among all.
+ * @param {MapQuestion} question
+ * @param {Grid} grid
+ */
+export function pointsOnShow({ request, plan }, grid) {
+  const { width, height, done } = grid;
+  const isWhole = done === width * height || "noise_strength" in plan.parameters;
+  const stride = isWhole ? 1 : request.stride ?? 1;
+  const [x, y] = [plan.x, plan.y].map(({ name, values }) =>
+    ({ name, values: Array.from(values).filter((_, k) => k % stride === 0) }));
+  const cells = y.values.flatMap((_, row) => x.values.map((__, column) => stride * (row * width + column)));
+  return { x, y, stride, cells, missing: cells.filter((cell) => !grid.isKnown(cell)).length };
+}
+
+/**
+ * Return the points of the map on show as a table with a row for each, which `latolato.load` reads.
  * @param {MapQuestion} question
  * @param {Grid} grid
  * @returns {string}
@@ -38,25 +54,25 @@ export function csvOf(question, grid) {
   const several = watched.find(({ name }) => layout.observables[name].dimension === "exponent");
   if (several)
     throw new InputError(t("refuseTable", { name: Object.keys(layout.observables[several.name].widths)[0] }));
-  const own = grid.status.map((status, cell) => (grid.isKnown(cell) ? status : NOT_YET));
-  const missing = own.filter((status) => status === NOT_YET).length;
-  const { width } = grid;
+  const { x, y, stride, cells, missing } = pointsOnShow(question, grid);
+  const { width, height } = grid;
   const column = (/** @type {string} */ name, /** @type {import("./grid.js").Axis | import("./grid.js").Variable} */ shown,
     /** @type {(cell: number) => number} */ at) =>
-    columnOf(name, { ...shown, shownUnit: shown.units[0]?.name ?? shown.unit }, at);
+    columnOf(name, { ...shown, shownUnit: shown.units[0]?.name ?? shown.unit }, (row) => at(cells[row]));
   const columns = [
     column(grid.y.name, grid.y, (cell) => grid.y.values[Math.floor(cell / width)]),
     column(grid.x.name, grid.x, (cell) => grid.x.values[cell % width]),
     ...grid.variables.map((variable, k) => column(variable.ball ? `${variable.name}_${variable.ball}` : variable.name,
-      variable, (cell) => (own[cell] === NOT_YET ? NaN : grid.values[k][cell]))),
+      variable, (cell) => (grid.isKnown(cell) ? grid.values[k][cell] : NaN))),
     columnOf("status", { unit: "1", shownUnit: "1", label: "status of the point" },
-      (cell) => (own[cell] === NOT_YET ? "missing" : layout.statuses[own[cell]])),
+      (row) => (grid.isKnown(cells[row]) ? layout.statuses[grid.status[cells[row]]] : "missing")),
   ];
   const about = { title: `latolato sweep of ${question.options.system}`, latolato_version: registry.version,
     rounding: "page", ...constantsOf(question),
-    ...(missing ? { unfinished: `${missing} of ${own.length} points are not computed: status is 'missing' there` } : {}),
-    plan: JSON.stringify(described(question)), format: FORMAT };
-  return csv(registry, about, columns, own.length);
+    ...(stride > 1 ? { subset: `every ${stride}th value along both axes of a map of ${width} x ${height} points` } : {}),
+    ...(missing ? { unfinished: `${missing} of ${cells.length} points are not computed: status is 'missing' there` } : {}),
+    plan: JSON.stringify(described({ ...question, plan: { ...question.plan, x, y } })), format: FORMAT };
+  return csv(registry, about, columns, cells.length);
 }
 
 /**
