@@ -14,7 +14,7 @@ from latolato.sweeps.plan import Plan
 
 
 def plan_from_store(path: str | Path) -> Plan:
-    """Return the plan of the sweep in a store, finished or not, or in a NetCDF file of one.
+    """Return the plan of the sweep in a store, finished or not, or in a file of one.
 
     Raises
     ------
@@ -28,7 +28,8 @@ def plan_from_store(path: str | Path) -> Plan:
     if "plan" not in attributes:
         raise InputError(f"'{path}' holds no sweep: it has no plan")
     plan = Plan.from_description(json.loads(attributes["plan"]))
-    if plan.hash != attributes["plan_hash"]:
+    # The tables that pages write have no hash.
+    if attributes.get("plan_hash", plan.hash) != plan.hash:
         raise InputError(
             f"the plan in '{path}' does not fit its hash: one of them was changed",
             way_out="use the scenario instead",
