@@ -121,12 +121,11 @@ def texts_of_registry() -> Iterator[str]:
 
 
 def texts_of_analyses() -> Iterator[str]:
-    """Yield what Analyse calls its analyses, their options and what diagrams vary."""
+    """Yield what Analyse says of its analyses and their options, and what diagrams vary."""
     for form in analyses().values():
-        yield form["title"]
-        yield form["reading"]
+        yield from (form[part] for part in ("title", "summary", "notes", "reading"))
         for option in form["options"].values():
-            yield from [option["label"], *option["labels"].values()]
+            yield from [option["label"], option["description"], *option["labels"].values()]
     for name, axis in registry()["axes"].items():
         yield label_of(name, axis["unit"])
 

@@ -50,6 +50,23 @@ from latolato.sweeps.plan import DEFAULT_OBSERVABLES, Plan
 # Others would run on a page as exact contact: see `contactOf` in ``js/model/case.js``.
 _PAGE_CONTACTS = (ExactContact, ClampContact, PassThrough)
 
+# Symbols and units in the letters of docstrings, in this order, and as pages write them.
+_LETTERS = {
+    "w/w0": "ω/ω₀",
+    "w0": "ω₀",
+    r"A0 (?:omega|w)": "A₀ω",
+    r"([Axy])0": r"\1₀",
+    "w|omega": "ω",
+    "gamma": "\N{GREEK SMALL LETTER GAMMA}",
+    "-pi to pi": "-180° to 180°",
+    r"(\d) pi": r"\1π",
+    r"m/s\^2": "m/s²",
+    r"eq(\d+)": r"eq. \1",
+    "Poincare": "Poincaré",
+}
+# Names of parameters in a text.
+_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
+
 _making = threading.Lock()
 
 
@@ -113,11 +130,31 @@ def _languages() -> dict[str, Any]:
     return languages
 
 
+def pretty(text: str) -> str:
+    """Return a text of a docstring with symbols and units as a page writes them.
+
+    Examples
+    --------
+    >>> pretty("w/w0 of A0, by default 3 w0 (``eq10``)"), pretty("sqrt(2 g l) at -pi to pi")
+    ('ω/ω₀ of A₀, by default 3 ω₀ (eq. 10)', '√(2 g l) at -180° to 180°')
+    """
+    text = re.sub(r"sqrt(?=\()", "√", text.replace("`", "")).replace("√(2)", "√2")
+    for letters, shown in _LETTERS.items():
+        text = re.sub(rf"(?<!\w)(?:{letters})(?!\w)", shown, text)
+    return text
+
+
+def described(text: str) -> str:
+    """Return a sentence of a docstring with symbols, and names of parameters as words."""
+    text = re.sub(r"(?<!`)`(\w+)`(?!`)", r"“\1”", text)
+    return pretty(_NAMES.sub(lambda name: name[0].replace("_", " "), text))
+
+
 def _law(law: type, table: str) -> dict[str, Any]:
     """Return the name, the options and the abilities of a system, a drive or a contact law."""
     return {
         "title": law.__name__,
-        "description": (law.__doc__ or "").splitlines()[0].partition(":")[0],
+        "description": described((law.__doc__ or "").splitlines()[0].partition(":")[0]),
         "options": list(_option_names(law, table)),
         "angles": getattr(law, "angles", 0),
         "contacts": getattr(law, "has_contacts", False),
@@ -239,7 +276,7 @@ def _quantity(quantity: Quantity) -> dict[str, str]:
 def _observable(law: Any) -> dict[str, Any]:
     return {
         "title": law.__name__,
-        "description": (law.__doc__ or "").splitlines()[0],
+        "description": described((law.__doc__ or "").splitlines()[0]),
         "variables": {name: shown_variable(name, q) for name, q in law.variables.items()},
     }
 
@@ -270,7 +307,7 @@ def _scenario(path: Path) -> dict[str, Any]:
     return {
         "title": scenario.title,
         "question": scenario.question,
-        "description": scenario.description,
+        "description": pretty(_with_titles(scenario.description)),
         "figure": scenario.figure,
         "given": {
             name: _in_si(law_options()[name], value) for name, value in flat_options(tables).items()
@@ -279,6 +316,13 @@ def _scenario(path: Path) -> dict[str, Any]:
         "sweep": scenario.to_dict().get("sweep"),
         "curves": _curves_of(path.stem),
     }
+
+
+def _with_titles(text: str) -> str:
+    """Return a text in which scenarios have their titles instead of their names."""
+    # Those of one word, such as toy, are words of texts too.
+    names = "|".join(name for name in shipped() if not name.isalpha())
+    return re.sub(rf"\b(?:{names})\b", lambda name: f"“{load_scenario(name[0]).title}”", text)
 
 
 def _curves_of(name: str) -> str | None:

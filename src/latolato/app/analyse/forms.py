@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.forms import shown_option, units_of
+from latolato.app.forms import described, pretty, shown_option, units_of
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
 
@@ -25,17 +25,8 @@ _RATIOS = (1.5, 3.0)
 _WIDER = (1.4, 3.2)
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 OWN_RUN = ("duration",)
-# Names of parameters in a text.
-_NAMES = re.compile(r"\b[a-z]+(?:_[a-z]+)+\b")
 # SI units in a text: an interval, which fields keep by themselves, or what a number is in.
 _SI = re.compile(r", in (?:[([][^])]*[])]|the parameter's SI unit)")
-_LETTERS = {
-    "Poincare": "Poincaré",
-    "w/w0": "ω/ω₀",
-    "w0": "ω₀",
-    "A0": "A₀",
-    "-pi to pi": "-180° to 180°",
-}
 
 
 @lru_cache(maxsize=1)
@@ -99,7 +90,7 @@ def _option(option: Parameter) -> dict[str, Any]:
     shown = {
         "label": label_of(option.name, option.unit),
         "symbol": "",
-        "description": pretty(_NAMES.sub(lambda n: n[0].replace("_", " "), description)),
+        "description": described(description),
         "labels": {each: label_of(each) for each in option.choices},
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
@@ -122,19 +113,6 @@ def label_of(name: str, unit: str = "") -> str:
     known = QUANTITIES.get(name)
     text: str = known.long_name if known and known.unit == unit else name.replace("_", " ")
     return pretty(f"{text[:1].upper()}{text[1:]}")
-
-
-def pretty(text: str) -> str:
-    """Return a text of a docstring with symbols and names as a page writes them.
-
-    Examples
-    --------
-    >>> pretty("w/w0 of A0, by default 3 w0")
-    'ω/ω₀ of A₀, by default 3 ω₀'
-    """
-    for plain, pretty in _LETTERS.items():
-        text = re.sub(rf"(?<![\w/]){plain}(?!\w)", pretty, text)
-    return text
 
 
 def about_request(request: RunRequest) -> dict[str, Any]:

@@ -10,7 +10,7 @@ import { leaveOut } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
 import { FIRST } from "../page/state.js";
 import { inWords } from "../page/option_labels.js";
-import { ENGLISH, t, tr } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
 import { openOverMap } from "./over_map.js";
@@ -46,8 +46,8 @@ export class AnalyseView {
     this.presets = presetField(page);
     const id = freshId();
     this.select = el("select", { id, on: { change: () => this.setExtra({ [WHAT]: this.select.value }) } });
-    this.summary = el("p", { class: "hint", lang: ENGLISH });
-    this.notes = el("p", { class: "hint", lang: ENGLISH });
+    this.summary = el("p", { class: "hint" });
+    this.notes = el("p", { class: "hint" });
     this.more = el("details", { class: "about", hidden: true }, el("summary", {}, t("analysisAbout")), this.notes);
     this.notice = el("p", { class: "notice", role: "status", hidden: true });
     this.go = el("button", { type: "submit", class: "play" }, t("compute"));
@@ -191,7 +191,7 @@ export class AnalyseView {
     const { scenario, options } = this.page.store.state;
     const row = (/** @type {[string, Analysis]} */ [name, { title, summary }]) => [
       el("dt", {}, openLink(this.page, { view: "analyse", scenario, options, extra: { [WHAT]: name } }, title)),
-      el("dd", { lang: ENGLISH }, summary)];
+      el("dd", {}, summary)];
     this.answer.replaceChildren(el("section", { class: "card" }, what
       ? el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))
       : el("dl", { class: "analyses" }, ...Object.entries(this.analyses).flatMap(row))));
@@ -267,9 +267,10 @@ export class AnalyseView {
  * @param {Analysis} analysis
  */
 function translate(analysis) {
-  for (const key of /** @type {const} */ (["title", "reading"])) analysis[key] = tr(analysis[key]);
+  for (const key of /** @type {const} */ (["title", "summary", "notes", "reading"])) analysis[key] = tr(analysis[key]);
   for (const field of Object.values(analysis.options)) {
     field.label = tr(field.label);
+    field.description = tr(field.description);
     field.labels = Object.fromEntries(Object.entries(field.labels ?? {}).map(([key, text]) => [key, tr(text)]));
   }
 }

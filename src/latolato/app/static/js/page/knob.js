@@ -1,7 +1,7 @@
 /** A number that is slid or typed: a field with its unit and, where it has a span, a slider. */
 
 import { splitQuantity } from "../model/units.js";
-import { ENGLISH, t } from "../strings.js";
+import { t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
 import { keep, recall } from "./preferences.js";
@@ -330,7 +330,7 @@ export function symbolOf({ symbol }) {
  * @param {string} id
  */
 export function explanation({ isExplained, description }, id) {
-  return isExplained ? el("p", { class: "hint", id, lang: ENGLISH }, description) : null;
+  return isExplained ? el("p", { class: "hint", id }, description) : null;
 }
 
 /**
