@@ -44,6 +44,37 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
         assert page.locator(".message").count() == 0
 
 
+@pytest.mark.parametrize(
+    "query, words, remedy",
+    [
+        ("system=pendulum", "Pendulum needs “pivot to ball centre”.", "Take usual values"),
+        ("system=ballpair", "BallPair needs 'right'.", "Take usual values"),
+        ("system=pendulum&length=1&mass=1", "“duration” is needed", "Take usual values"),
+        (
+            "system=mathieu&suspension=string",
+            "belongs to system Pendulum or LatoLato or BallPair, not to Mathieu",
+            "Leave it out",
+        ),
+        (
+            "system=mathieu&suspension=string&lang=id",
+            "hanya berlaku untuk sistem Bandul atau Lato-lato atau Sepasang bola, bukan Mathieu",
+            "Hilangkan",
+        ),
+        (
+            "system=pendulum&lang=id",
+            "Bandul memerlukan “jarak titik gantung ke pusat bola”.",
+            "Pakai nilai biasa",
+        ),
+    ],
+)
+def test_a_link_that_lacks_options_or_has_too_many_is_mended(page, query, words, remedy):
+    page.goto(f"/?view=toy&{query}")
+    page.locator(".message").get_by_text(words).wait_for()
+    page.get_by_role("button", name=remedy).click()
+    page.wait_for_selector("[data-runs]")
+    assert page.locator(":is(.message, .error):visible").count() == 0
+
+
 def test_one_sentence_names_all_parts(page):
     page.goto("/?view=nowhere&scenario=fig99&strange.thing=1.2&lenght=1")
     page.wait_for_selector("[data-runs]")

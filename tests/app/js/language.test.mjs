@@ -95,7 +95,7 @@ test("a sentence says what sets a parameter to a value: in Python's words, or in
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {
   const lacks = brokenRule("needed", { parameter: "length" }, { law: "Chirp", unit: " [m]" });
-  assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina” [m].");
+  assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina”.");
   assert.equal(sentence(REGISTRY, new InputError("did you mean 'length'?")), "Did you mean 'length'?");
 });
 

@@ -6,7 +6,7 @@ import { keep, recall } from "./page/preferences.js";
 import { speakInPage } from "./page/language.js";
 import { actingLink } from "./page/links.js";
 import { Messages, sayOffline } from "./page/messages.js";
-import { learnLabels } from "./page/refusals.js";
+import { learnKinds, learnLabels } from "./page/refusals.js";
 import { Store, format, isReadable, parse } from "./page/state.js";
 import { t } from "./strings.js";
 
@@ -71,6 +71,7 @@ function startViews(page) {
   const nav = /** @type {HTMLElement} */ (document.getElementById("views"));
   nav.setAttribute("aria-label", t("views"));
   learnLabels(page.registry.options);
+  learnKinds(page.registry);
   /** @type {Record<string, any>} */
   const made = {};
   /** @type {string | null} */

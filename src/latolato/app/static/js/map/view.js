@@ -280,7 +280,7 @@ export class MapView {
     const own = error instanceof InputError ? error.about.fields ?? [] : [];
     this.controls.refuse(said, field === null ? own : [...own, field]);
     this.page.messages.show("map", said,
-      { stays: true, isBad: true, actions: waysBack(this.page) });
+      { stays: true, isBad: true, actions: waysBack(this.page, error) });
     // It is refused again where the map is shown again.
     this.asked = null;
     if (field && this.form.fields.has(field)) this.form.error(text, field);

@@ -88,7 +88,7 @@ export function contactOf(registry, system, run) {
   for (const option of Object.keys(run)) {
     if (!owners(option).length || owners(option).includes(name)) continue;
     throw brokenRule("foreign", { parameter: option },
-      { part: { word: "contact" }, owners: eitherOf(owners(option)), kind: name });
+      { part: { word: "contact" }, owners: eitherOf(owners(option)), kind: { word: name } });
   }
   const own = laws[name].options.map((option) => {
     const about = registry.options[option];
@@ -96,7 +96,7 @@ export function contactOf(registry, system, run) {
   });
   if (!system.contacts && laws[name].options.length)
     throw brokenRule("meeting_balls", { parameter: "contact" },
-      { name, law: registry.systems[system.kind].title });
+      { name, law: { word: registry.systems[system.kind].title } });
   if (!system.contacts) return { contact: "none", clampStep: 0 };
   if (name === "clamp" && system.angles === 2)
     throw brokenRule("clamped_toy", { parameter: "contact" });

@@ -70,10 +70,11 @@ function numbersOf(registry, part, kind, input) {
 function missing(registry, title, name, own, input) {
   const { path, unit } = registry.options[name];
   const inUnit = unit ? ` [${unit}]` : "";
-  if (path.length === 1) return brokenRule("needed", { parameter: name }, { law: title, unit: inUnit });
+  const law = { word: title };
+  if (path.length === 1) return brokenRule("needed", { parameter: name }, { law, unit: inUnit });
   const isWhole = !own.some((each) => each in input && registry.options[each].path[0] === path[0]);
-  if (isWhole) return brokenRule("needed", { parameter: path[0] }, { law: title, unit: "" });
-  return brokenRule("needed", { parameter: name }, { law: "Ball", unit: inUnit });
+  if (isWhole) return brokenRule("needed", { parameter: path[0] }, { law, unit: "" });
+  return brokenRule("needed", { parameter: name }, { law: { word: "Ball" }, unit: inUnit });
 }
 
 /**
@@ -133,8 +134,8 @@ export function checkAcross(registry, { kind, linear, contacts, angles }, drive)
   const value = registry.drives[drive.kind].title;
   const parameter = "drive";
   if (contacts && angles === 1)
-    throw brokenRule("mirrored_pivot", { parameter, value }, { law: title });
-  if (linear) throw brokenRule("vertical_pivot", { parameter, value }, { law: title });
+    throw brokenRule("mirrored_pivot", { parameter, value }, { law: { word: title } });
+  if (linear) throw brokenRule("vertical_pivot", { parameter, value }, { law: { word: title } });
 }
 
 /**

@@ -187,10 +187,10 @@ export function foreign(registry, part, kind, name, called = name) {
   const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
   if (inside.length) {
     const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
-    return brokenRule("of_each_part", { parameter: path[0] }, { law: laws[kind].title, parts: each });
+    return brokenRule("of_each_part", { parameter: path[0] }, { law: { word: laws[kind].title }, parts: each });
   }
   const inner = path[1] ?? "";
   const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);
   return brokenRule(knows ? "foreign_part" : "foreign", { parameter: called },
-    { part: { word: part }, owners: eitherOf(Object.keys(laws).filter(owns)), kind, name: inner });
+    { part: { word: part }, owners: eitherOf(Object.keys(laws).filter(owns)), kind: { word: kind }, name: inner });
 }

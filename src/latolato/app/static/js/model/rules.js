@@ -120,10 +120,11 @@ export function brokenRule(name, about = {}, values = {}) {
 /**
  * Return names of which one is meant, as `latolato.core.rules.either_of`.
  * @param {string[]} names
- * @returns {string | Sentence}
+ * @returns {Value}
  */
 export function eitherOf(names) {
-  return /** @type {(string | Sentence)[]} */ (names).reduce((first, other) => sentenceOf("either_of", { first, other }));
+  const words = names.map((word) => /** @type {Value} */ ({ word }));
+  return words.reduce((first, other) => sentenceOf("either_of", { first, other }));
 }
 
 /** What is right, and left to the installed program. */

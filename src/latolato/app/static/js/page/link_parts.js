@@ -1,6 +1,8 @@
 /** Which parts of a link there are: the others are left out, and named on the stage. */
 
+import { InputError } from "../model/rules.js";
 import { t } from "../strings.js";
+import { textOf, withLaws } from "./option_texts.js";
 import { inPagesWords, stopped } from "./refusals.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -14,6 +16,9 @@ const PARTS = /** @type {Record<string, string[]>} */ ({
   toy: ["hand"], report: [],
   story: ["list", "name", "step", "answers", "tried", "guess"],
 });
+// What is pressed where an option is missing, or is none of the system and drive.
+const MENDED = /** @type {Record<string, string>} */ ({ needed: "takeUsual", angle_needed: "takeUsual",
+  duration_needed: "takeUsual", foreign: "leaveItOut", foreign_part: "leaveItOut" });
 // Views that show one run; a sweep opens in Map.
 const OF_RUNS = ["toy", "analyse"];
 
@@ -77,14 +82,19 @@ export function sentence(registry, error) {
 }
 
 /**
- * The ways back from a refused run.
+ * The ways back from a refused run, and out of one whose options do not go with its system and drive.
  * @param {Page} page
+ * @param {Error} error
  * @returns {import("./messages.js").MessageAction[]}
  */
-export function waysBack({ store }) {
+export function waysBack({ registry, store }, error) {
   const { scenario, options } = store.state;
   const hasPreset = (scenario !== null || !options.system) && Object.keys(options).length > 0;
+  const rule = error instanceof InputError && typeof error.rule === "object" ? error.rule.name : "";
+  const mend = () => store.set({ options: { duration: textOf(registry, "duration", registry.options.duration.usual),
+    ...withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot") } }, "preset");
   return [
+    ...(MENDED[rule] && options.system ? [{ label: t(MENDED[rule]), act: mend }] : []),
     ...(store.canGoBack ? [{ label: t("undo"), act: () => history.back() }] : []),
     ...(hasPreset ? [{ label: t("resetToPreset"), act: () => store.set({ options: {} }, "preset") }] : []),
   ];

@@ -6,9 +6,11 @@ import { short, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
+/** What the page calls the kinds of systems and drives. @type {Map<string, string>} */
+const KINDS = new Map();
 /** @type {import("../model/rules.js").RuleLanguage} */
-const LANGUAGE = { sentence: ruleText, word: tr, label: (parameter, value) =>
-  called(LABELS.get(parameter), parameter, value) };
+const LANGUAGE = { sentence: ruleText, word: (text) => KINDS.get(text) ?? tr(text),
+  label: (parameter, value) => called(LABELS.get(parameter), parameter, value) };
 // Rules that refuse what is no number in the unit of an option.
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
@@ -31,6 +33,14 @@ const TURNS = /** @type {Record<string, number>} */ ({ "half turn": Math.PI, tur
  */
 export function learnLabels(options) {
   for (const [name, { label }] of Object.entries(options)) LABELS.set(name, label);
+}
+
+/**
+ * Learn what the page calls systems and drives.
+ * @param {import("../model/registry.js").Registry} registry
+ */
+export function learnKinds({ systems, drives }) {
+  for (const [kind, { title }] of Object.entries({ ...systems, ...drives })) KINDS.set(kind, tr(title));
 }
 
 /** @param {string} label */
@@ -121,6 +131,8 @@ function endsOf(limits, { name, values }) {
 function inPlainWords({ unit, units = [], limits = [] }, error) {
   const { rule, about: { wayOut, ...about } } = error;
   if (typeof rule === "string") return error;
+  // Whoever fills in a field sees its unit there.
+  if (rule.name === "needed") return new InputError({ ...rule, values: { ...rule.values, unit: "" } }, error.about);
   const { name, size } = units[0] ?? { name: unit, size: 1 };
   const shown = shownUnit(name);
   const value = typeof about.value === "bigint" ? Number(about.value) : about.value;

@@ -404,7 +404,7 @@ export class ToyView {
     const ofKnobs = this.knobs.inWords(ofForm);
     this.form?.error(...inPagesWords(ofForm, error));
     this.knobs.error(...inPagesWords(ofKnobs, error));
-    this.note(module.sentence(ofKnobs, error), module.waysBack(this.page), true);
+    this.note(module.sentence(ofKnobs, error), module.waysBack(this.page, error), true);
   }
 
   /**
