@@ -271,10 +271,12 @@ def test_a_curve_is_drawn_over_a_map_in_the_units_of_its_axes():
     curve = curve_of([1.0, 2.0, 3.0], [0.01, 0.02, 0.03], [1, 1, 1])
     axes = {"drive_frequency": [6.0, 12.0, 18.0], "amplitude_ratio": [0.05, 0.1]}
     grid = ll.sweep(TOY, axes=axes, initial_angle=0.3, duration=1.0, observables=["largest_angle"])
-    figure = ll.plot(grid, overlays=[curve, "lift_off"])
+    figure = ll.plot(grid, overlays=[curve, "lift_off", curve])
     line = next(each for each in figure.axes[0].get_lines() if each.get_label() == "fold")
     np.testing.assert_allclose(line.get_xdata(), TOY.natural_frequency * np.array([1.0, 2.0, 3.0]))
     np.testing.assert_allclose(line.get_ydata(), np.array([0.01, 0.02, 0.03]) / TOY.length)
+    texts = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert texts.count("fold") == 1
     other = curve.assign_attrs(restitution=0.5)
     with pytest.raises(ll.InputError, match=r"its restitution is 0\.5, that of the map 0\.9"):
         ll.plot(grid, overlays=[other])

@@ -511,8 +511,12 @@ def _shades(count: int) -> list[Any]:
 
 
 def _finish(figure: Figure, axes: Axes, title: list[str], handles: list[Any]) -> None:
-    """Put the title above and the legend below the panel, where it hides nothing."""
+    """Put the title above and the legend below the panel, where it hides nothing.
+
+    Curves of one kind look the same: they share an entry.
+    """
     axes.set_title("\n".join(title), fontsize=style.SMALL, loc="left")
+    handles = list({str(handle.get_label()): handle for handle in handles}.values())
     if handles:
         columns = min(
             len(handles),
