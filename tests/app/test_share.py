@@ -49,6 +49,16 @@ def test_the_link_is_copied(page):
     page.context.clear_permissions()
 
 
+def test_the_menu_closes_when_something_else_is_pressed(page):
+    open_menu(page, "&scenario=toy")
+    copy = page.get_by_role("button", name="Copy the link")
+    page.get_by_role("textbox", name="Link").click()
+    assert copy.is_visible()
+    page.get_by_role("heading", level=2).first.click()
+    copy.wait_for(state="hidden")
+    assert page.get_by_role("button", name="Share").get_attribute("aria-expanded") == "false"
+
+
 def test_without_the_clipboard_the_link_is_selected(page):
     page.add_init_script("Object.defineProperty(navigator, 'clipboard', { value: undefined });")
     open_menu(page, "&scenario=toy")

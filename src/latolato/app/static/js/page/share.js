@@ -32,6 +32,10 @@ export class Share {
       this.open(false);
       button.focus();
     });
+    document.addEventListener("pointerdown", ({ target }) => {
+      const isInside = target instanceof Node && button.parentElement?.contains(target);
+      if (!this.menu.hidden && !isInside) this.open(false);
+    });
     store.subscribe(() => { this.link.value = this.address; });
   }
 
