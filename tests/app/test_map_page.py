@@ -362,6 +362,30 @@ def test_the_program_makes_files_with_progress_and_the_page_a_picture(page, tmp_
     assert len(np.unique(image.reshape(-1, image.shape[2]), axis=0)) > 20
 
 
+def test_the_picture_of_a_phone_cuts_no_text_off(page):
+    page.set_viewport_size({"width": 390, "height": 844})
+    open_map(page, "&map.scenario=fig05_push&map.duration=2&map.size=8&lang=id")
+    texts = page.evaluate(
+        """async () => {
+          const texts = [];
+          const { prototype } = CanvasRenderingContext2D;
+          const { fillText } = prototype;
+          prototype.fillText = function (text, x, y) {
+            const { width, height } = this.canvas;
+            texts.push([text, x + this.measureText(text).width, width, y, height]);
+            fillText.call(this, text, x, y);
+          };
+          await window.latolato.views.map.picture();
+          prototype.fillText = fillText;
+          return texts;
+        }"""
+    )
+    assert "dengan dorongan" in " ".join(text for text, *_ in texts)
+    for text, right, width, y, height in texts:
+        assert right <= width - 10, text
+        assert y < height - 18, text
+
+
 def test_a_new_question_pales_the_picture_until_it_has_its_own(page):
     open_map(page)
     page.wait_for_function("() => window.latolato.views.map.over.lines.length >= 2")

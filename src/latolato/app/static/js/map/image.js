@@ -23,34 +23,60 @@ export async function pictureOf({ chart, bar, grid, barTitle, classes }) {
   const barHeight = bar.canvas.hidden ? 0 : bar.canvas.height;
   const place = (/** @type {number} */ lines) => lines * LINE * ratio;
   const canvas = document.createElement("canvas");
-  canvas.width = width + 2 * PAD * ratio;
-  canvas.height = place(2 + entries.length) + chart.canvas.height + barHeight + 2 * PAD * ratio;
   const context = /** @type {CanvasRenderingContext2D} */ (canvas.getContext("2d"));
+  const font = (/** @type {boolean} */ isBold) => `${isBold ? "600 " : ""}${13 * ratio}px system-ui, sans-serif`;
+  const broken = (/** @type {string} */ text, isBold = false, most = width) => {
+    context.font = font(isBold);
+    return brokenLines(context, text, most);
+  };
+  const title = broken(grid?.about.title || axisLabel(/** @type {any} */ (grid).y), true);
+  const ofBar = broken(barTitle.textContent ?? "");
+  const keys = entries.map((entry) => broken([...entry.childNodes].slice(1).map((node) => node.textContent).join(""),
+    false, width - KEY * ratio));
+  canvas.width = width + 2 * PAD * ratio;
+  canvas.height = place([title, ofBar, ...keys].flat().length) + chart.canvas.height + barHeight + 2 * PAD * ratio;
   context.fillStyle = colour("card", chart.canvas);
   context.fillRect(0, 0, canvas.width, canvas.height);
   context.translate(PAD * ratio, PAD * ratio);
   context.textBaseline = "top";
-  const write = (/** @type {string} */ text, /** @type {number} */ x, /** @type {number} */ y, bold = false) => {
-    context.fillStyle = colour("ink", chart.canvas);
-    context.font = `${bold ? "600 " : ""}${13 * ratio}px system-ui, sans-serif`;
-    context.fillText(text, x, y);
+  let top = 0;
+  const write = (/** @type {string[]} */ lines, x = 0, isBold = false) => {
+    for (const line of lines) {
+      context.fillStyle = colour("ink", chart.canvas);
+      context.font = font(isBold);
+      context.fillText(line, x, top);
+      top += place(1);
+    }
   };
-  write(grid?.about.title || `${axisLabel(/** @type {any} */ (grid).y)}`, 0, 0, true);
-  let top = place(1);
+  write(title, 0, true);
   context.drawImage(chart.canvas, 0, top);
   top += chart.canvas.height;
-  write(barTitle.textContent ?? "", 0, top);
-  top += place(1);
+  write(ofBar);
   if (barHeight) context.drawImage(bar.canvas, 0, top);
   top += barHeight;
-  for (const entry of entries) {
+  entries.forEach((entry, k) => {
     drawKey(context, entry.querySelector("span"), top, ratio);
-    write([...entry.childNodes].slice(1).map((node) => node.textContent).join(""), KEY * ratio, top);
-    top += place(1);
-  }
+    write(keys[k], KEY * ratio);
+  });
   return new Promise((resolve, reject) => {
     canvas.toBlob((blob) => (blob ? resolve(blob) : reject(new Error(t("refusePicture")))));
   });
+}
+
+/**
+ * Return a text in lines that are no wider than so many pixels, if its words are not.
+ * @param {CanvasRenderingContext2D} context with the font of the text
+ * @param {string} text
+ * @param {number} most
+ */
+function brokenLines(context, text, most) {
+  const lines = [""];
+  for (const word of text.split(" ")) {
+    const longer = `${lines[lines.length - 1]} ${word}`.trim();
+    if (context.measureText(longer).width <= most) lines[lines.length - 1] = longer;
+    else lines.push(word);
+  }
+  return lines;
 }
 
 /**
