@@ -686,6 +686,13 @@ def test_stories_are_accessible_and_have_room(page, theme, place):
     assert_panels_have_room(page)
 
 
+def test_numbers_among_answers_are_written_as_the_language_does(page):
+    page.goto(address("why_twice", 3) + "&lang=id")
+    page.locator(".story-step .check").first.wait_for()
+    answers = page.locator(".story-step .check").all_inner_texts()
+    assert answers == ["1,95", "Tepat 2", "1"]
+
+
 @pytest.mark.parametrize("place", [("first_clack", 1), ("upside_down", 6), ("high_then_low", 6)])
 def test_a_phone_sees_the_stage_above_the_panel(page, place):
     page.set_viewport_size(SIZES[1])

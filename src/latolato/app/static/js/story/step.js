@@ -2,7 +2,7 @@
 
 import { toSi } from "../model/units.js";
 import { el, freshId } from "../page/dom.js";
-import { t, tr } from "../strings.js";
+import { local, t, tr } from "../strings.js";
 import { parameterOf } from "./look.js";
 import { quantity } from "./numbers.js";
 import { shownNumber } from "./number_text.js";
@@ -47,7 +47,7 @@ export class Step {
     const name = freshId();
     const radios = choices.map((/** @type {StoryTable} */ choice, /** @type {number} */ i) =>
       el("label", { class: "check" },
-        el("input", { type: "radio", name, value: String(i + 1), required: true }), tr(choice.text)));
+        el("input", { type: "radio", name, value: String(i + 1), required: true }), local(tr(choice.text))));
     return el("form", { on: { submit: (/** @type {SubmitEvent} */ event) => {
       event.preventDefault();
       this.act.answer(Number(new FormData(this.form).get(name)));
