@@ -42,7 +42,7 @@ test("a refusal has the unit and the label of the screen", () => {
     + "20° and 180°, got 0.5°; give one at which the balls do not overlap");
   const apart = refusal(problem("turn", "the separation {parameter}[0] - {parameter}[1] must lie in [0, 2 pi] rad",
     { angle: -Math.PI / 2 }, ""));
-  assert.equal(inPagesWords(registry, apart)[0], "the separation “Where it starts”[0] - “Where it starts”[1] "
+  assert.equal(inPagesWords(registry, apart)[0], "The separation “Where it starts”[0] - “Where it starts”[1] "
     + "must lie between 0° and 360°, got -90°");
   const words = brokenRule("quantity_of_unit", { parameter: "angle", value: "x" }, { unit: "rad" });
   assert.equal(words.message, "angle must be given in rad (or a unit that converts to it), got 'x'");
@@ -142,7 +142,7 @@ test("a refusal is translated by the name of its rule, and its English sentence 
   assert.equal(error.message, "radius must lie in [0, 1) m, got 1.5; give less than 1");
   assert.equal(inLanguage(error), "radius mora biti u [0, 1) m, zadano je 1,5; zadajte manje od 1");
   const two = brokenRule("angle_or_offset", { parameter: "length" });
-  assert.equal(inPagesWords(REGISTRY, two)[0], "zadajte ili “duljina” ili initial_offset");
+  assert.equal(inPagesWords(REGISTRY, two)[0], "Zadajte ili “duljina” ili initial_offset");
 });
 
 test("numbers in a translation have the digits of the English sentence", () => {

@@ -236,9 +236,9 @@ test("an address with too many levels, or with one that is no number, is refused
   const map = computed(4, 4, (column) => column);
   Object.assign(map.variables[0], { unit: "m", units: [], classes: [] });
   const many = contoursOn(map, { "map.levels": [...Array(21).keys()].join() });
-  assert.deepEqual(many.notes, ["at most 20 contour lines, got 21 levels"]);
+  assert.deepEqual(many.notes, ["At most 20 contour lines, got 21 levels"]);
   const bad = contoursOn(map, { "map.levels": "1,x" });
-  assert.deepEqual(bad.notes, ["a level must be a number in SI units, got nan"]);
+  assert.deepEqual(bad.notes, ["A level must be a number in SI units, got nan"]);
   assert.deepEqual(bad.chart.contours, []);
 });
 

@@ -1,7 +1,7 @@
 /** What a map says in words: places, values, colours. */
 
 import { el } from "../page/dom.js";
-import { localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
+import { besideUnit, localShort, plainSymbol, shownUnit } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 import { sizeOf } from "./axes.js";
 import { CLASSES, SIGNS } from "./marks.js";
@@ -19,9 +19,7 @@ const GAP = "\u00a0";
  * @param {number} value in SI units
  */
 export function valueWithUnit(about, value) {
-  const unit = shownUnit(about.units[0]?.name ?? "");
-  const gap = unit && !unit.startsWith("°") ? GAP : "";
-  return `${localShort(value / sizeOf(about), 4)}${gap}${unit}`;
+  return besideUnit(localShort(value / sizeOf(about), 4), shownUnit(about.units[0]?.name ?? ""), GAP);
 }
 
 /**

@@ -77,8 +77,7 @@ function isKnown({ options, systems, drives }, name, text) {
  * @param {Error} error
  */
 export function sentence(registry, error) {
-  const [text] = inPagesWords(registry, error);
-  return stopped(`${text.charAt(0).toUpperCase()}${text.slice(1)}`);
+  return stopped(inPagesWords(registry, error)[0]);
 }
 
 /**

@@ -1,8 +1,8 @@
 /** Errors in the words of the pages. */
 
 import { InputError, literal, pythonName, say } from "../model/rules.js";
-import { local, ruleText, t, tr } from "../strings.js";
-import { short, shownEnd, shownUnit } from "./unit_text.js";
+import { capitalised, local, ruleText, t, tr } from "../strings.js";
+import { besideUnit, short, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -141,9 +141,8 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
     return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
       { ...error.about, value });
   if (typeof value !== "number") return error;
-  const unitAfter = shown && (shown.startsWith("°") ? shown : ` ${shown}`);
   const withUnit = (/** @type {number} */ each) =>
-    (Number.isFinite(each) ? `${short(each / size)}${unitAfter}` : literal(each));
+    (Number.isFinite(each) ? besideUnit(short(each / size), shown) : literal(each));
   const lower = (/** @type {number} */ end) => withUnit(shownEnd(end / size, true) * size);
   const upper = (/** @type {number} */ end) => withUnit(shownEnd(end / size, false) * size);
   const own = { ...about, shown: withUnit(value) };
@@ -168,8 +167,8 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
 }
 
 /**
- * Return the text of an error, and the option that it is about: the text calls it by its label, and has
- * numbers in the unit on the screen.
+ * Return the text of an error, as a sentence begins, and the option that it is about: the text calls it by its
+ * label, and has numbers in the unit on the screen.
  * @param {import("../model/registry.js").Registry} registry
  * @param {Error} error
  * @returns {[string, string | null]}
@@ -179,12 +178,12 @@ export function inPagesWords(registry, error) {
   /** @type {import("../model/rules.js").RuleLanguage} */
   const language = { ...LANGUAGE, label: (parameter, value) =>
     called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
-  if (!(error instanceof InputError) || error.parameter === null) return [inLanguage(error, language), null];
+  if (!(error instanceof InputError) || error.parameter === null) return [capitalised(inLanguage(error, language)), null];
   const [name] = error.parameter.split("[");
   const option = options[name];
-  if (!option) return [inLanguage(error, language), null];
+  if (!option) return [capitalised(inLanguage(error, language)), null];
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [local(own.worded(quoted(option.label), language)), name];
+  return [capitalised(local(own.worded(quoted(option.label), language))), name];
 }

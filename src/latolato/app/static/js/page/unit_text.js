@@ -19,6 +19,16 @@ export function shownUnit(unit) {
   return /** @type {Record<string, string>} */ (SHOWN)[unit] ?? unit.replace("^2", "²");
 }
 
+/**
+ * Return a number with its unit: degrees stand at the number, other units apart from it.
+ * @param {string} number
+ * @param {string} unit as it is shown
+ * @param {string} [gap]
+ */
+export function besideUnit(number, unit, gap = " ") {
+  return `${number}${unit && !unit.startsWith("°") ? gap : ""}${unit}`;
+}
+
 // Below this numbers are written as powers of ten.
 const SMALL = 1e-4;
 
