@@ -406,7 +406,7 @@ TOUCHED = {
     "view=map&map.scenario=fig05&map.size=4": "[data-done]",
     "view=measure": ".dropzone",
     "view=analyse": "dt > a",
-    "view=analyse&analyse.what=basins": ".settings .field",
+    "view=analyse&analyse.what=self_start": ".settings .field",
     "view=toy&story.name=why_twice&story.step=3": ".story input",
     "view=toy": "[data-runs]",
 }
