@@ -526,4 +526,6 @@ def test_numbers_of_an_answer_are_told_without_names_of_variables():
         coords={"initial_angle": [0.5]},
         attrs={"analysis": "none", "system": "pendulum"},
     )
-    assert ("Angle", "57.2958 to 57.2958 ° (12 values)") in numbers_of(found)
+    assert ("Angle", "57.2958 to 57.2958° (12 values)") in numbers_of(found)
+    lifted = found.assign(drive_amplitude=((), 0.0276, {"units": "m"}))
+    assert ("Drive amplitude", "27.6 mm") in numbers_of(lifted)

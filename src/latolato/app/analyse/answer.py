@@ -57,26 +57,30 @@ def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
     from latolato.analysis.summary import as_lines
 
     rows = []
-    for name, text in as_lines(_in_degrees(dataset.squeeze())).items():
+    for name, text in as_lines(_in_shown_units(dataset.squeeze())).items():
         variable = dataset.variables.get(name)
         # What was found of nothing, as along a curve without a point, needs no row.
         is_empty = (variable is not None and variable.size == 0) or not text.strip(", ")
         if name == "analysis" or is_empty:
             continue
         label = str(variable.attrs.get("long_name") or name) if variable is not None else name
-        rows.append((label[:1].upper() + label[1:].replace("_", " "), _OVER.sub(_counted, text)))
+        text = _OVER.sub(_counted, text).replace(" °", "°")
+        rows.append((label[:1].upper() + label[1:].replace("_", " "), text))
     return rows
 
 
-def _in_degrees(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset with its angles in degrees, as pages show them."""
+def _in_shown_units(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset with its angles and amplitudes in the units in which pages show them."""
     import numpy as np
 
+    # The lengths that analyses find are amplitudes.
+    units = {"rad": ("°", np.degrees(1.0)), "m": ("mm", 1e3)}
     shown = dataset.copy()
     for name, variable in dataset.variables.items():
-        if variable.attrs.get("units") == "rad":
-            attrs = {**variable.attrs, "units": "°"}
-            shown[name] = (variable.dims, np.degrees(variable.values), attrs)
+        if variable.attrs.get("units") in units:
+            unit, factor = units[variable.attrs["units"]]
+            attrs = {**variable.attrs, "units": unit}
+            shown[name] = (variable.dims, variable.values * factor, attrs)
     return shown
 
 

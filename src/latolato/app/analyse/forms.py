@@ -25,6 +25,8 @@ _RATIOS = (1.5, 3.0)
 _WIDER = (1.4, 3.2)
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 OWN_RUN = ("duration",)
+# Units of the results in a text: pages show them in others, beside the numbers.
+_UNITS = re.compile(r" \((?:m|s|1/s|rad|rad/s|rad/s or rad)\)")
 # SI units in a text: an interval, which fields keep by themselves, or what a number is in.
 _SI = re.compile(r", in (?:[([][^])]*[])]|the parameter's SI unit)")
 
@@ -44,7 +46,7 @@ def forms() -> dict[str, Any]:
         own, run = own_options(function)
         results[name] = {
             "title": label_of(name),
-            "summary": pretty(summary_of(function)),
+            "summary": pretty(_UNITS.sub("", summary_of(function))),
             "notes": pretty(" ".join(map(plain_text, notes))),
             "reading": getattr(picture, "READING", ""),
             "first": list(first_of(name)),
