@@ -366,6 +366,17 @@ def test_a_run_of_minutes_says_so_and_stops_at_once(page):
     assert page.get_by_text("Computing").count() == 0
 
 
+def test_a_first_run_that_is_stopped_leaves_a_way_back_and_no_gap(page):
+    page.goto("/?view=toy&duration=4e6")
+    page.get_by_role("button", name="Stop").click()
+    page.get_by_text("The run was stopped").wait_for()
+    hanging, drawers = (page.locator(each).bounding_box() for each in (".hanging", ".drawers"))
+    assert drawers["y"] - hanging["y"] - hanging["height"] < 50
+    page.get_by_role("button", name="Reset to the preset").click()
+    page.wait_for_selector("[data-runs]")
+    page.locator(".knobs .knob").first.wait_for()
+
+
 def test_a_worker_that_fails_says_so_and_the_next_run_has_another_one(page):
     open_play(page)
     page.evaluate(

@@ -89,6 +89,7 @@ export class Knobs {
    */
   make(names) {
     this.all = Object.fromEntries(names.map((name) => [name, this.knob(name)]));
+    this.root.hidden = false;
     this.root.replaceChildren(...Object.values(this.all).map(({ root }) => root));
     if (!names.includes("drive_frequency")) return;
     const ratio = this.knob("frequency_ratio");

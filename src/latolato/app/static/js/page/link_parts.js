@@ -83,7 +83,7 @@ export function sentence(registry, error) {
 /**
  * The ways back from a refused run, and out of one whose options do not go with its system and drive.
  * @param {Page} page
- * @param {Error} error
+ * @param {Error | null} error why it was refused, null if it was stopped
  * @returns {import("./messages.js").MessageAction[]}
  */
 export function waysBack({ registry, store }, error) {

@@ -261,7 +261,7 @@ export class ToyView {
     this.note(t("computing"), [{ label: t("stop"), act: () => {
       this.runner.stop();
       this.runner.end();
-      this.note(t("runStopped"));
+      void this.offer(t("runStopped"));
     } }]);
   }
 
@@ -404,7 +404,18 @@ export class ToyView {
     const ofKnobs = this.knobs.inWords(ofForm);
     this.form?.error(...inPagesWords(ofForm, error));
     this.knobs.error(...inPagesWords(ofKnobs, error));
-    this.note(module.sentence(ofKnobs, error), module.waysBack(this.page, error), true);
+    await this.offer(module.sentence(ofKnobs, error), error);
+  }
+
+  /**
+   * Say that there is no run, with the ways back. Knobs that no run has filled take no room.
+   * @param {string} text
+   * @param {Error | null} [error] why it was refused
+   */
+  async offer(text, error = null) {
+    this.knobs.root.hidden = !this.player.motion;
+    const { waysBack } = await import("../page/link_parts.js");
+    this.note(text, waysBack(this.page, error), error !== null);
   }
 
   /**
