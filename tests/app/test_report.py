@@ -1,6 +1,8 @@
 """The report on the paper is a page of its own, beside the pages and linked with them."""
 
+import re
 from dataclasses import replace
+from importlib.resources import files
 from pathlib import Path
 from unittest import mock
 
@@ -8,12 +10,15 @@ import pytest
 from starlette.testclient import TestClient
 from typer.testing import CliRunner
 
+import latolato.paper
 from app_pages import new_context
 from app_server import start_server, stop_server
 from latolato.app import serve as app_serve
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app
 from latolato.paper import catalogue, report
+from latolato.paper.claim import Verdict
+from latolato.paper.page_words import CLAIMS_NOTE, INDONESIAN
 from quick_figures import picture_of, quick_data
 
 HOME = "http://127.0.0.1:8000"
@@ -106,6 +111,46 @@ def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
     context.close()
 
 
+def test_the_frame_of_the_report_has_indonesian_words():
+    text = files(latolato.paper).joinpath("report.html").read_text("utf-8")
+    frame = text[text.index("{% macro list") :]
+    # Texts begin with a capital, but for heads of columns; labels of attributes are no text.
+    heads = re.findall(r"numbers\(\(([^)]+)\)", frame)
+    wanted = set(re.findall(r'(?<!d=)"([A-Z][^"#{}<>]*)"', frame))
+    wanted |= {each for head in heads for each in re.findall(r'"([^"]+)"', head)} - {", "}
+    wanted |= {CLAIMS_NOTE, *(verdict.value for verdict in Verdict)}
+    assert len(wanted) > 40
+    assert wanted - {"Site", "Contents", "Runs", "Sweeps"} <= INDONESIAN.keys()
+
+
+def test_the_report_opens_in_indonesian_and_stays_so(browser, address):
+    context = new_context(browser)
+    page = context.new_page()
+    page.goto(f"{address}?view=toy&lang=id")
+    page.get_by_role("link", name="Laporan", exact=True).click()
+    page.wait_for_url("**/report/index.html#id-top")
+    page.get_by_role("heading", name="dihitung ulang").wait_for()
+    page.get_by_text("berbahasa Inggris, seperti makalahnya").wait_for()
+    for name in ("Claims", "Verdict", "Back to the toy", "How to cite"):
+        assert page.get_by_text(name, exact=True).filter(visible=True).count() == 0
+    page.get_by_role("link", name="Pernyataan", exact=True).click()
+    page.wait_for_url("**#id-claims")
+    page.wait_for_function(
+        "() => document.querySelector('#id-claims').getBoundingClientRect().top < 100"
+    )
+    page.get_by_role("heading", name="Pernyataan").wait_for()
+    claim = page.locator("figure .meta a.id").first
+    claim.click()
+    page.get_by_role("columnheader", name="Penilaian").wait_for()
+    assert "#id-claim-" in page.url
+    page.set_viewport_size({"width": 390, "height": 844})
+    page.get_by_text("Yang kami temukan").filter(visible=True).first.wait_for()
+    page.get_by_role("link", name="English").click()
+    page.get_by_role("heading", name="recalculated").wait_for()
+    assert page.get_by_text("Penilaian", exact=True).filter(visible=True).count() == 0
+    context.close()
+
+
 @pytest.mark.parametrize(
     "figure, name, ready, wanted",
     [
@@ -120,7 +165,7 @@ def test_links_at_a_figure_open_its_runs(browser, address, figure, name, ready, 
     page = context.new_page()
     page.goto(f"{address}report/index.html")
     plate = page.locator(f"#{figure}")
-    plate.locator("details", has_text=" behind it (").evaluate_all(
+    plate.locator("details", has_text="behind it").evaluate_all(
         "all => all.forEach((each) => { each.open = true; })"
     )
     plate.get_by_role("link", name=name).click()

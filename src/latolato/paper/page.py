@@ -9,6 +9,7 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from functools import partial
 from html import escape
 from importlib import import_module
 from pathlib import Path
@@ -24,6 +25,7 @@ from latolato.figures.style import pretty_unit
 from latolato.paper.catalogue import title_of
 from latolato.paper.claim import Claim, Verdict
 from latolato.paper.links import flat_scenarios, links_to_maps, links_to_presets, links_to_runs
+from latolato.paper.page_words import CLAIMS_NOTE, ENGLISH_PARTS, link, words
 from latolato.paper.powers import rewritten_powers
 from latolato.report.templates import environment
 
@@ -40,15 +42,6 @@ _CLASSES = {
     Verdict.NOT_AS_PRINTED: "no",
     Verdict.METHOD_CHECK: "check",
 }
-
-
-CLAIMS_NOTE = (
-    "A claim is reproduced if all its limits hold for the printed parameters. It is reproduced "
-    "with an assumption if they hold once something unprinted is assumed, and not as printed "
-    "otherwise. Where the paper prints too little to test its claim, we check only the method, on "
-    "synthetic data or by calculation; such a check says nothing about the paper's measurements. "
-    "✓ marks limits that hold, ✗ limits that fail."
-)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -80,17 +73,23 @@ def render(
 
     about = import_module(f"{paper.__name__}.about")
     pages = environment("paper", "report")
-    pages.filters |= {"typeset": typeset, "kind": _CLASSES.__getitem__}
+    pages.filters |= {
+        "typeset": typeset,
+        "kind": _CLASSES.__getitem__,
+        "words": partial(words, set_text=typeset),
+        "link": lambda text, target: link(target, text, typeset),
+    }
     claims = [claim for part in parts for claim in part.claims]
     judged = {claim.name for claim in claims}
-    kind = "A quick run: some scans have fewer points." if quick else "A full run."
     pictures = [part for part in parts if part.caption is not None]
     versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
     return pages.get_template("report.html").render(
         version=version_of(),
         title=typeset(about.TITLE),
         about=about,
-        meta=f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}. {kind} {about.CONVENTIONS}",
+        meta=f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}.",
+        kind_of_run="A quick run: some scans have fewer points." if quick else "A full run.",
+        english_parts=ENGLISH_PARTS,
         tally=[(each, sum(claim.verdict is each for claim in claims)) for each in Verdict],
         claims_note=CLAIMS_NOTE,
         claims=[_row_of(claim) for claim in claims],

@@ -8,7 +8,7 @@ import { actingLink } from "./page/links.js";
 import { Messages, sayOffline } from "./page/messages.js";
 import { learnKinds, learnLabels } from "./page/refusals.js";
 import { Store, format, isReadable, parse } from "./page/state.js";
-import { t } from "./strings.js";
+import { ENGLISH, languageCode, t } from "./strings.js";
 
 /** @typedef {import("./page/state.js").Page} Page */
 
@@ -90,7 +90,9 @@ function startViews(page) {
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
     if (name === "report" && page.registry.report)
-      return { name, link: el("a", { href: REPORT }, t("view_report")) };
+      // Its anchors for other languages begin with their codes; it has what it has.
+      return { name, link: el("a", { href: languageCode() === ENGLISH ? REPORT : `${REPORT}#${languageCode()}-top` },
+        t("view_report")) };
     const isForProgram = !page.registry.server && NEED_PROGRAM.includes(name);
     const link = actingLink(`?view=${name}`, () => page.store.set({ view: name }, "view"),
       { class: isForProgram && "program", title: isForProgram && t("tabProgram") }, t(`view_${name}`));
@@ -101,7 +103,7 @@ function startViews(page) {
   const show = async () => {
     const { view } = page.store.state;
     for (const { name, link } of links) {
-      if (link.getAttribute("href") === REPORT) continue;
+      if (link.getAttribute("href")?.startsWith(REPORT)) continue;
       link.href = format({ ...page.store.state, view: name });
       if (name === view) link.setAttribute("aria-current", "page");
       else link.removeAttribute("aria-current");
