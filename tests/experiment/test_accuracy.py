@@ -79,7 +79,7 @@ _NO_CIRCLE = "not move on a circle"
 # the largest deviation, does not grow.
 SYNTHETIC: dict[str, Limits] = {
     "clean one": Limits(0.12, ratio=(0.3, 2.0)),
-    "clean two": Limits(0.15, ratio=(0.4, 2.0)),
+    "clean two": Limits(0.14, ratio=(0.375, 2.0)),
     "clean free": Limits(0.11, ratio=(0.3, 2.0)),
     "texture one": Limits(0.48),
     "texture two": Limits(0.66, ratio=(0.465, 2.0)),

@@ -43,7 +43,7 @@ _NOISE, _BLUR = 0.03, 0.8
 # background, but no less than this.
 _NOISE_SHARE, _LEAST_NOISE = 0.15, 0.003
 # How far balls hide the background where they roughly are [radii].
-_HIDES = 1.3
+_HIDES = 1.2
 # How often balls are fitted and their look is learned again.
 _ROUNDS = 3
 # Typical share that colours that stay explain from which those that turn are not tried, and by how
