@@ -733,3 +733,23 @@ def test_a_picture_that_repeats_another_is_old_only_where_the_ball_should_have_m
     )
     old = _Refiner._is_old(refiner, repeats, np.ones((40, 1), bool))
     assert old[repeated, 0].tolist() == [is_old] * len(repeated)
+
+
+@pytest.mark.parametrize("apart, is_good", [(1.5, True), (0.95, True), (0.85, False)])
+def test_balls_that_overlap_were_not_measured(apart, is_good):
+    radius, arm = 10.0, 100.0
+    gap = 2.0 * math.asin(radius / arm)
+    angles = 0.5 * apart * gap * np.array([[1.0, -1.0]])
+    scene = SimpleNamespace(
+        look=SimpleNamespace(radius=radius, exposure=0.0), arm=arm, balls=2, explained=1.0,
+        off=lambda away: np.abs(np.linalg.norm(away, axis=-1) - arm),
+    )  # fmt: skip
+    centres = arm * np.stack([np.sin(angles), np.cos(angles)], axis=-1)
+    one = np.ones((1, 2))
+    refiner = SimpleNamespace(
+        scene=scene, gap=gap, interval=0.02, explained=one, hidden=0.0 * one, guesses=angles,
+        velocities=np.zeros((1, 2, 2)), is_fixed=one < 0.0,
+        route=SimpleNamespace(radius=radius, is_seen=one > 0.0),
+        out=SimpleNamespace(angles=angles, centres=centres, pivots=np.zeros((1, 2))),
+    )  # fmt: skip
+    assert _Refiner._is_good(refiner, slice(None)).tolist() == [[is_good, is_good]]
