@@ -90,7 +90,7 @@ test("a sentence says what sets a parameter to a value: in Python's words, or in
   const rule = { name: "", part: /** @type {const} */ ("rule"), text: "give {@suspension=rod} or {@damping=0}, {@length=2}", values: {} };
   const error = new InputError(rule);
   assert.equal(error.message, "give suspension='rod' or damping=0, length=2");
-  assert.equal(inPagesWords(registry, error)[0], "give “hung on a” = “rod” or damping=0, “length” = 2");
+  assert.equal(inPagesWords(registry, error)[0], "Give “hung on a” = “rod” or damping=0, “length” = 2");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {
