@@ -168,33 +168,16 @@ def learn_image_model(
     # No ball is found where the background is unknown.
     first, beyond = video.bounds
     low, high = np.maximum(low, first), np.minimum(high, beyond)
-    covered = [(0, ball) for ball in balls]
-    covered += [
-        (k, place)
-        for k, frame in enumerate(frames)
-        if 0 <= frame.number < len(route.times)
-        for place in route.places[frame.number]
-        if np.isfinite(place).all()
-    ]
+    covered = _covered(frames, route, balls)
     behind = learn_background(medians, frames, colours, covered, (low, high), _HIDES * size + 2.0)
-
-    def painted(turns: bool, groups: list[list[tuple[int, np.ndarray]]]) -> np.ndarray:
-        return np.stack([
-            first_paint(
-                [(frames[k], at, turns * math.atan2(*(at - pivots[k]))) for k, at in own],
-                colours, size,
-            )
-            for own in groups
-        ])  # fmt: skip
-
-    paint = painted(False, shots)
+    paint = _first_paints(frames, shots, colours, size)
     contrast = min(
         _contrast(one, behind, np.array([at for _, at in own]) - low, size)
         for one, own in zip(paint, shots, strict=True)
     )
     if half is not None or _look_alike(paint, size, contrast):
         shots = [[shot for own in shots for shot in own]]
-        paint = painted(False, shots)
+        paint = _first_paints(frames, shots, colours, size)
     noise = float(np.clip(_NOISE_SHARE * contrast, _LEAST_NOISE, _NOISE))
     weight = np.eye(3) / noise**2
     look = Appearance(colours, size, _BLUR, paint, behind, low, weight, scale=4.0)
@@ -202,7 +185,8 @@ def learn_image_model(
         look.exposure = route.exposure
     scene = ImageModel(tracker, look, arm, len(balls), tilt=tilt)
     if half is None:
-        sightings = _first_fit(scene, frames, pivots, route, painted(True, shots))
+        turning = _first_paints(frames, shots, colours, size, pivots)
+        sightings = _first_fit(scene, frames, pivots, route, turning)
     else:
         sightings = _first_bobs(scene, frames, pivots, route, balls, medians)
     for round_ in range(_ROUNDS):
@@ -228,6 +212,42 @@ def learn_image_model(
     if look.is_spinning and look.body is None:  # a pattern may look like the wall at the edge
         look.radius_sigma = math.hypot(look.radius_sigma, _PATTERN * look.radius)
     return scene
+
+
+def _covered(
+    frames: list[Frame], route: Route, balls: list[np.ndarray]
+) -> list[tuple[int, np.ndarray]]:
+    """Return numbers of frames of the sample, each with a place of a ball, clicked or rough."""
+    covered = [(0, ball) for ball in balls]
+    for k, frame in enumerate(frames):
+        if 0 <= frame.number < len(route.times):
+            places = route.places[frame.number]
+            covered += [(k, place) for place in places if np.isfinite(place).all()]
+    return covered
+
+
+def _first_paints(
+    frames: list[Frame],
+    shots: list[list[tuple[int, np.ndarray]]],
+    colours: Colours,
+    radius: float,
+    pivots: np.ndarray | None = None,
+) -> np.ndarray:
+    """Return the typical colours in each group of shots, shape (group, row, column, 3).
+
+    Shots are numbers of frames with a ball's centre. With `pivots` (frame, 2) they are turned back
+    to what they are where the rod hangs down.
+    """
+    turns = [
+        [0.0 if pivots is None else math.atan2(*(at - pivots[k])) for k, at in own] for own in shots
+    ]
+    return np.stack([
+        first_paint(
+            [(frames[k], at, turn) for (k, at), turn in zip(own, each, strict=True)],
+            colours, radius,
+        )
+        for own, each in zip(shots, turns, strict=True)
+    ])  # fmt: skip
 
 
 def _first_fit(
