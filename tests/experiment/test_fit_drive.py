@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 import latolato as ll
-from latolato.experiment.fits.drive import fit_drive
+from latolato.experiment.fits.drive import fit_drive, with_scale
 from latolato.experiment.fits.pivots import pivot_for
+from latolato.experiment.fits.result import Estimate
 from track_tables import drive_table, noise, planar_table
 
 STEADY = ll.Harmonic(drive_amplitude=0.03, drive_frequency=10.09, drive_phase=1.0)
@@ -38,7 +39,8 @@ def test_a_steady_drive_is_found_within_its_sigma():
 def test_the_deviation_of_an_amplitude_includes_that_of_the_scale():
     table = drive_table(STEADY, duration=12.0)
     plain = fit_drive(table)
-    table.attrs |= {"metres_per_pixel": 1e-3, "metres_per_pixel_sigma": 5e-6}
+    scale = {"metres_per_pixel": 1e-3, "metres_per_pixel_sigma": 5e-6}
+    table.attrs |= {**scale, "scale_source": "length"}
     fit = fit_drive(table)
     amplitude, own = fit["drive_amplitude"], plain["drive_amplitude"].sigma
     assert amplitude.value == plain["drive_amplitude"].value
@@ -47,12 +49,20 @@ def test_the_deviation_of_an_amplitude_includes_that_of_the_scale():
     assert widths[0] == pytest.approx(widths[1])
     assert fit["drive_frequency"] == plain["drive_frequency"]
     assert "includes that of the scale (0.5 %)" in fit.verdict
-    # Beside a length the scale does not count: an error of it makes both larger.
+    # Beside a length that made the scale it does not count: an error of it makes both larger.
     system = ll.Pendulum(length=0.2, mass=0.05)
     swinging = table.assign(angle_1=("frame", 0.3 * np.cos(7.0 * table["time"].values)))
     first, last = (float(swinging["time"].values[place]) for place in (0, -1))
-    sigmas = pivot_for(None, swinging, system.length, first, last).deviations
-    assert sigmas["drive_amplitude"] < 0.2 * amplitude.sigma
+    for source, expected in (("length", own), ("stick", amplitude.sigma)):
+        swinging.attrs["scale_source"] = source
+        sigmas = pivot_for(None, swinging, system.length, first, last).deviations
+        assert sigmas["drive_amplitude"] == pytest.approx(expected, rel=0.05)
+
+
+def test_an_amplitude_near_zero_keeps_an_interval_from_zero_on():
+    wide = with_scale(Estimate(1e-3, 8e-4, "m", low=0.0, high=2.6e-3), 0.02)
+    assert wide.low == 0.0
+    assert wide.high > 2.6e-3
 
 
 ELLIPSE = ll.PlanarHarmonic(

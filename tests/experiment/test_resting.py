@@ -155,7 +155,7 @@ def test_balls_that_clack_until_they_rest_are_measured_to_the_end(restitution, d
         for part in ("pivot", "ball_1", "ball_2")
     )
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore", RuntimeWarning)
+        warnings.filterwarnings("ignore", "(the|only|1 frame|[0-9]+ frames)", RuntimeWarning)
         table = ll.track(tmp_path / "toy.mp4", pivot=pivot, balls=balls, length=0.25, radius=0.028)
     for ball in (1, 2):
         is_measured = table[f"flag_{ball}"].isin(["ok", "collision"]).values
@@ -195,6 +195,28 @@ def test_a_stripe_like_the_wall_leaves_a_ball_one(radius, turn):
     # What nobody parts is whole, and so is what has parts on one side only.
     assert math.isnan(_radius_of_parts(copies.blobs[0], [places[0, 0] + 4.0]))
     assert _radius_of_parts(copies.blobs[0], [*places[0]]) == pytest.approx(8.0, rel=0.25)
+
+
+def test_a_ball_that_always_rests_has_no_length_to_tell_balls_apart():
+    times, arm = np.arange(60) / 30.0, 60.0
+    swings = 0.27 + np.maximum(0.0, 0.7 * np.cos(3.0 * times))
+    away = arm * np.stack([np.sin(swings), np.cos(swings)], axis=-1)
+    places = np.stack([away, np.tile([0.0, arm], (60, 1))], axis=1)
+    places += np.array([70.0, 5.0])
+    rows, columns = np.mgrid[:90, :140]
+    rng, pictures = np.random.default_rng(1), []
+    for k, pair in enumerate(places):
+        picture = WALL + rng.normal(0.0, 0.5, (90, 140, 3))
+        for u, v in pair[1:] if 28 <= k < 46 else pair:  # a hand hides the one that swings
+            picture[np.hypot(columns - u, rows - v) < 8.0] = BALL
+        pictures.append(picture)
+    copies = Copies(np.rint(pictures).astype(np.uint8), 1, (np.zeros(2), np.array([139.0, 89.0])))
+    pivots = [np.array([70.0, 5.0])] * 2
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        route = find_route(copies, times, [*places[0]], 0, 8.0, np.zeros(60, bool), pivots)
+    assert route.is_traced
+    assert np.linalg.norm(route.places - places, axis=-1)[route.is_seen].max() < 1.0
 
 
 def test_what_leaps_about_at_its_place_and_is_often_lost_is_no_ball():

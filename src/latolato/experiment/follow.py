@@ -93,14 +93,19 @@ def follow(task: Task, sample: Sample, progress: Progress | None) -> list[Track]
 
 
 def _as_ordered(setup: Setup, route: Route, clicked: int) -> Setup:
-    """Return a set-up whose balls are in the order of a route, which has a clicked frame."""
-    places = route.places[clicked] if 0 <= clicked < len(route.times) else np.empty((0, 2))
-    if len(setup.balls) < 2 or not np.isfinite(places).all() or not len(places):
+    """Return a set-up whose balls are in the order of a route, by their places when clicked.
+
+    If the route does not tell, as where that frame is not used, the right-hand ball comes first.
+    """
+    if len(setup.balls) < 2:
         return setup
-    as_they_are, turned = (
-        sum(map(math.dist, places, balls)) for balls in (setup.balls, setup.balls[::-1])
-    )
-    return setup if as_they_are <= turned else replace(setup, balls=setup.balls[::-1])
+    first, last = setup.balls
+    is_turned = first[0] < last[0]
+    if 0 <= clicked < len(route.times) and np.isfinite(route.places[clicked]).all():
+        one, other = route.places[clicked]
+        apart = math.dist(one, first) + math.dist(other, last)
+        is_turned = math.dist(one, last) + math.dist(other, first) < apart
+    return replace(setup, balls=(last, first)) if is_turned else setup
 
 
 def _has_own_arms(setup: Setup, video: Video) -> bool:

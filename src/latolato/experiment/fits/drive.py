@@ -214,7 +214,8 @@ def fit_drive(
     about = {
         "start": origin + float(data.times[0]), "end": origin + float(data.times[-1]),
         "origin": origin, "samples": len(data), "stages": shape.stages,
-        "scale_share": scale_share, **solution.quality,
+        "scale_share": scale_share, "scale_source": table.attrs.get("scale_source"),
+        **solution.quality,
         "source": table.attrs.get("source"),
     }  # fmt: skip
     return make_fit("drive", estimates, joined(words), curves, about, drive, adequacy=adequacy)
@@ -296,7 +297,8 @@ def with_scale(estimate: Estimate, share: float) -> Estimate:
     """
     if estimate.unit != "m" or not share > 0.0:
         return estimate
-    return estimate.widened(math.hypot(estimate.sigma, share * estimate.value))
+    wider = estimate.widened(math.hypot(estimate.sigma, share * estimate.value))
+    return replace(wider, low=max(wider.low, min(estimate.low, 0.0)))  # no amplitude is negative
 
 
 def without_scale(estimate: Estimate, share: float) -> float:

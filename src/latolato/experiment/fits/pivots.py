@@ -147,16 +147,18 @@ def _is_good(fit: Fit, swings: bool) -> bool:
 def _deviations(fit: Fit, drive: Drive, scale: float) -> dict[str, float]:
     """Return the standard deviations of a fitted drive's parameters.
 
-    `scale` is the relative error that the amplitudes share beside a given length: that of the
-    table's scale is left out, as it is that of the length in pixels.
+    `scale` is the relative error that the amplitudes share beside a given length. That of the
+    table's scale is in it if the scale is that of the length, and no part of it otherwise.
     """
+    share = fit.dataset.attrs["scale_share"]
+    part = share if fit.dataset.attrs["scale_source"] == "length" else 0.0
     sigmas: dict[str, float] = {}
     for name in _PARAMETERS:
         estimate = _OF_HEIGHT.get(name, name)
         if estimate in fit and hasattr(drive, name):
             sigmas[name] = fit[estimate].sigma
             if name.endswith("_amplitude"):
-                own = without_scale(fit[estimate], fit.dataset.attrs["scale_share"])
+                own = without_scale(fit[estimate], part)
                 sigmas[name] = math.hypot(own, scale * fit[estimate].value)
     return sigmas
 

@@ -84,8 +84,10 @@ class Appearance:
         By how much more than the background's the whitened colours vary about the paint, each.
     body : numpy.ndarray of bool, shape (row, column), or None
         Which part of the paint is the bob, if it is no disc.
-    whiten, white_paint, white_shading : numpy.ndarray
-        The matrix that makes residuals white, and the colours of paint and shading times it.
+    whiten : numpy.ndarray, shape (3, 3)
+        The matrix that makes residuals white.
+    white_paint, white_shading : numpy.ndarray, shape (ball, row, column, 4)
+        The colours of paint and shading times it, and the share that a ball covers.
     """
 
     colours: Colours
@@ -143,7 +145,7 @@ class Appearance:
         return min(ball, len(self.paint) - 1)
 
     def drawn(self, *balls: int) -> Ball:
-        """How the kernels draw some balls, in their order and in whitened colours."""
+        """How the kernels draw some balls, one or neighbours in ascending order, whitened."""
         looks = self.white_paint, self.white_shading, self.variance
         if len(self.paint) == 1:
             return Ball(self.reach, self.blur, *looks, self.is_spinning)

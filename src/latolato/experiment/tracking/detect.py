@@ -236,7 +236,7 @@ def _blobs(
 ) -> Blobs:
     """Return the blobs of one picture, which begins at a corner of the whole one.
 
-    Parts between which a `disc` does not fit are one.
+    Parts between which a `disc` (row, column) of ones does not fit are one.
     """
     apart = cv2.GaussianBlur(difference(picture, wall), (3, 3), 0)
     _, mask = cv2.threshold(apart, limit, 1, cv2.THRESH_BINARY)
@@ -274,7 +274,8 @@ def _split(
 ) -> list[tuple[float, ...]]:
     """Return the blobs in one connected thing, without rods and shadows.
 
-    Each is its column, row, half width, half length, contrast, three colours, and the wall's.
+    Parts between which a `disc` (row, column) of ones does not fit are one. Each is its column,
+    row, half width, half length, contrast, three colours, and the wall's.
     """
     limit = _OWN * _ranked(apart[own], 0.9)
     clear = (own & (apart > limit)).astype(np.uint8)

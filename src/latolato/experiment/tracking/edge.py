@@ -158,6 +158,7 @@ def _spread(ring: _Ring, gradient: np.ndarray, bend: np.ndarray) -> float:
             [np.bincount(labels, gradient[:, k], minlength=labels.max() + 1) for k in range(2)],
             axis=-1,
         )
+        parts = parts[np.bincount(labels) > 0]
         parts = parts - parts.mean(axis=0)
         variances.append(float((inverse @ (parts.T @ parts) @ inverse)[0, 0]))
     return math.sqrt(max(variances))

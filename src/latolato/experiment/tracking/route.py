@@ -234,14 +234,11 @@ def find_route(
         if frame != number:
             left[frame] = empty
     tracks: list[Trajectory] = []
+    # Where balls are parted, the click shows the colour of the stripe.
+    is_known = not 0 <= number < len(left) or math.isfinite(parted)
     for click, pivot in zip(clicks, pivots, strict=True):
         track, others = link_clicked(left, copies, click, number, radius, pivot)
-        is_in_clip, is_parted = 0 <= number < len(left), math.isfinite(parted)
-        if (
-            not is_in_clip
-            or is_parted  # the click shows the colour of its stripe
-            or _is_by_itself(left[number], click, copies, number, radius)
-        ):
+        if is_known or _is_by_itself(left[number], click, copies, number, radius):
             left = others
         else:
             # It is a part of something larger that moves with it: its colour tells it.
@@ -271,7 +268,9 @@ def find_route(
         known = [pivot for pivot in pivots if pivot is not None]
         if known:
             pivot = np.mean(known, axis=0)
-            lengths = np.nanmean([track.lengths[is_one] for track in tracks], axis=0)
+            # Of a ball that is traced no blob was linked.
+            one, other = (track.lengths[is_one] for track in tracks)
+            lengths = np.nan_to_num(np.where(np.isfinite(one), one, other), nan=size)
             middles = np.nanmean(places[is_one], axis=1)
             touching[is_one] = _touching(middles, lengths, pivot, size)
         places[is_one] = detected[is_one] = np.nan

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from itertools import zip_longest
 
 import numpy as np
 
@@ -84,9 +85,12 @@ def learn_look(
     good = [one for one in sightings if one.explained > _TEACHES] or sightings
     arms = [float(np.hypot(*tilt.flat(one.centre - one.pivot))) for one in good]
     arm = float(np.median(arms))
-    known = [one for one in good if not math.isnan(one.speed)] or good
-    known.sort(key=lambda one: abs(one.speed))
-    teachers = [one for own in _by_look(look, known) for one in own[:_TEACHERS]]
+    known = sorted(
+        [one for one in good if not math.isnan(one.speed)] or good, key=lambda one: abs(one.speed)
+    )
+    # The slowest of each look, in turn.
+    ranked = zip_longest(*(own[:_TEACHERS] for own in _by_look(look, known)))
+    teachers = [one for each in ranked for one in each if one is not None]
     has_edge = look.body is None and look.radius >= SMALLEST_DISC
     if has_edge:
         _learn_edge(look, frames, teachers, sightings, arm, is_first)
