@@ -1,5 +1,6 @@
 """Experiment: other frames, a stick, a region and corrections, from the page to the table."""
 
+import json
 import re
 
 import numpy as np
@@ -8,6 +9,7 @@ import xarray as xr
 
 import latolato as ll
 from app_pages import download
+from latolato.app import STATIC
 from latolato.app.experiment.description import apparatus_of, described
 from latolato.core.errors import InputError
 from latolato.experiment.overlay import places_of
@@ -112,7 +114,10 @@ def test_a_part_is_tracked_from_another_frame_and_corrected_by_hand(page, clip, 
 
 
 def test_sentences_call_parameters_as_their_fields_and_buttons(page):
-    texts = [text for rule in RULES.values() for text in rule if "{@" in text]
+    # Some sentences are others on pages.
+    own = json.loads((STATIC / "languages" / "en.json").read_text())["rules"]
+    shown = [rule._asdict() | own.get(name, {}) for name, rule in RULES.items()]
+    texts = [text for rule in shown for text in rule.values() if "{@" in text]
     page.goto("/?view=measure")
     page.get_by_label("Drop a video or a table here, or choose one").wait_for(state="attached")
     said = page.evaluate(
@@ -124,8 +129,11 @@ def test_sentences_call_parameters_as_their_fields_and_buttons(page):
         texts,
     )
     assert "copy it again, or use the part before that (“End here”)" in said
-    names = re.findall(r"{@(\w+)}", " ".join(texts))
-    assert sum(text.count("“") for text in said) == len(names) > 20
+    # With quotes for the name, and for the word to which it is set.
+    names = [re.findall(r"{@(\w+)(=[a-z]\w*)?", text) for text in texts]
+    for text, each in zip(said, names, strict=True):
+        assert text.count("“") == sum(2 if word else 1 for _, word in each), text
+    assert sum(map(len, names)) > 20
 
 
 @pytest.mark.parametrize(

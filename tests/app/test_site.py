@@ -329,6 +329,8 @@ def test_files_that_are_kept_are_those_of_the_pages(web):
     styles = re.findall(r'rel="stylesheet" href="(.+?)"', (folder / "index.html").read_text())
     assert styles
     assert set(styles) <= set(paths)
+    # A site has no code of views that need Python.
+    assert not [path for path in paths if path.startswith(("js/measure", "js/analyse"))]
     assert all((folder / path).is_file() for path in paths)
     sizes = {path: (folder / path).stat().st_size for path in paths}
     for is_scalar in (False, True):

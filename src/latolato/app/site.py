@@ -21,6 +21,8 @@ from latolato.core.errors import InputError
 # A browser keeps the pages at the first visit, the report and the documentation as they are read.
 OFFLINE = "offline.js"
 _LATER = ("report", "docs")
+# Folders of the views that need Python beside the page: a site says so in their place.
+_NEED_PROGRAM = ("measure", "analyse")
 _DESCRIPTIONS = re.compile(r"/\*\*.*?\*/\n?|^ *//[^\n]*\n", re.DOTALL | re.MULTILINE)
 
 
@@ -46,9 +48,9 @@ def write_site(folder: Path, *, report: Path | None = None, docs: Path | None = 
         If the code for pages has not been compiled.
     """
     check_site(folder, report=report, docs=docs)
-    # Types of vendored libraries are for those who check the sources.
-    types = shutil.ignore_patterns("*.d.ts")
-    shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=types, copy_function=_copy)
+    # Types of vendored libraries are for those who check the sources, and some views need Python.
+    left_out = shutil.ignore_patterns("*.d.ts", *_NEED_PROGRAM)
+    shutil.copytree(STATIC, folder, dirs_exist_ok=True, ignore=left_out, copy_function=_copy)
     # Those of a teacher, who has put files into the folder of an earlier site, are among them.
     (folder / "stories" / "contents.json").write_text(
         _compact(checked_contents(folder / "stories")), encoding="utf-8"

@@ -236,8 +236,8 @@ const store = new Store(window);
 // An address of the view that the report has replaced: it named a figure.
 const figure = store.state.extra["paper.figure"] ?? "";
 if (store.state.view === "paper") store.amend({ view: "report", extra: {} }, "preset");
-// The first view's modules come while the server makes the registry.
-if (Object.hasOwn(VIEWS, store.state.view)) VIEWS[store.state.view]().catch(() => {});
+// The first view's modules come while the server makes the registry; a site has none of those that need Python.
+if (Object.hasOwn(VIEWS, store.state.view) && !NEED_PROGRAM.includes(store.state.view)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
 if (store.state.view === "report" && registry.report) {
   location.replace(`${REPORT}#${encodeURIComponent(figure)}`);
