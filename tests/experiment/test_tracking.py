@@ -244,6 +244,29 @@ def test_a_pivot_that_moves_to_the_side_is_followed_or_warned_of(block, error, t
     assert is_warned == (block < 1.0)
 
 
+def test_what_is_left_of_a_ball_that_is_often_off_its_circle_is_uncertain(tmp_path):
+    # Nothing shows the pivot, which moves up and down: it is taken for one at rest.
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=1.95 * SINGLE.natural_frequency)
+    run = ll.simulate(SINGLE, drive, initial_angle=0.9, duration=3.0)
+    path = tmp_path / "unseen.mp4"
+    scene = Scene(
+        ball_radius=0.02, rod_width=0.001, block_width=0.0, block_height=0.0, bolt_radius=0.0,
+        rail_width=0.0,
+    )  # fmt: skip
+    truth = synthesise_video(run, path, scene, Camera(width=480, height=360, fps=60.0), seed=3)
+    pivot, ball = (
+        tuple(truth.attrs[f"{part}_pixel_{axis}"] for axis in "uv") for part in ("pivot", "ball_1")
+    )
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", RuntimeWarning)
+        table = track(path, pivot=pivot, balls=[ball], length=SINGLE.length)
+    assert "lies on its circle about the pivot" in table.attrs["warnings"]
+    ok = table.flag_1.values == "ok"
+    off = np.abs(table.angle_1.values - truth.angle_1.values)[ok]
+    assert np.sqrt(np.mean(off**2)) > 0.02
+    assert np.mean(off < 2.0 * table.angle_sigma_1.values[ok]) > 0.9
+
+
 @pytest.mark.parametrize("turns", [1, -1], ids=["right first", "left first"])
 def test_balls_of_different_colours_are_both_measured(turns, tmp_path):
     film = dataclasses.replace(films.films["colours two"], seconds=1.5)

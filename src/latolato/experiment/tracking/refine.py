@@ -50,7 +50,7 @@ _FLOOR = 0.03
 # How far from the circle, and from where it roughly is, a centre may lie, in radii; from the circle
 # also as a share of the arm, for the pivot may be a little beside the place pointed at; and from
 # where it is also as a share of its smear, of which the ends are faint.
-_OFF_CIRCLE, _OFF_ROUTE, _OFF_SHARE, _OFF_SMEAR = 0.4, 1.0, 0.02, 0.25
+OFF_CIRCLE, _OFF_ROUTE, OFF_SHARE, _OFF_SMEAR = 0.4, 1.0, 0.02, 0.25
 # By how much two balls may seem to overlap, as a share of the angle at which they touch. In 60
 # synthetic clips they did by 0.02 at most, and by 0.06 and more where one was taken for the other.
 _OVERLAP = 0.08
@@ -317,7 +317,7 @@ class _Refiner:
             good = (
                 (self.explained[frames] >= _MEASURED * scene.explained)
                 & (self.hidden[frames] <= _WALL)
-                & (scene.off(away) <= max(_OFF_CIRCLE * scene.look.radius, _OFF_SHARE * scene.arm))
+                & (scene.off(away) <= max(OFF_CIRCLE * scene.look.radius, OFF_SHARE * scene.arm))
                 & (jump <= np.where(seen, 1.0, 2.0) * _OFF_ROUTE)
             )
         if scene.balls == 2:
