@@ -307,7 +307,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         ),
         (
             ["hysteresis", "fig04a", "--drive-amplitude", "1, 1"],
-            "axis --drive-amplitude must not repeat a value, got 1 twice; remove one",
+            "--drive-amplitude must not repeat a value, got 1 twice; remove one",
         ),
         (
             ["continue_orbit", "fig03a", "--low", "1", "--high", "3", "--parameter", "lenght"],

@@ -19,8 +19,10 @@ from typer.testing import CliRunner
 import latolato as ll
 from latolato.cli import main as cli
 from latolato.cli.main import app, main
+from latolato.cli.options import command_from
 from latolato.cli.simulate import scenario_of
 from latolato.cli.simulate import simulate as simulate_command
+from latolato.core.errors import reading
 from latolato.experiment.comparison.motion import compare_motion
 from latolato.experiment.importing import import_table
 from latolato.experiment.synthetic.synthesise import synthesise_video
@@ -489,6 +491,16 @@ def test_what_a_file_gives_is_called_as_there_and_what_is_typed_by_its_option(ca
     for arguments, called in ([], "length"), (["--length", "-2"], "--length"):
         assert main(["simulate", str(file), "--duration", "1", *arguments]) == 2
         assert capsys.readouterr().err.startswith(f"latolato: {called} must lie in (0, inf) m")
+
+
+def test_what_a_file_gives_is_called_as_there_beside_the_same_option():
+    def run(length: float = 1.0) -> None:
+        with reading("swing.toml"):
+            raise ll.InputError("must be positive", parameter="length", value=-1)
+
+    command = command_from(run, "try", "Try.")
+    with pytest.raises(ll.InputError, match=r"^swing\.toml: length must be positive"):
+        command.main(["--length", "2"], standalone_mode=False)
 
 
 @pytest.mark.parametrize(

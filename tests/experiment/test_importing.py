@@ -310,9 +310,16 @@ def test_a_ball_above_its_pivot_raises_a_question(tmp_path):
 def test_the_command_line_asks_in_the_words_of_its_options(tmp_path, capsys):
     from latolato.cli.main import main
 
-    path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) - 180.0))
-    assert main(["import", str(path)]) == 0
-    assert "from the x axis (--angle-from right)?" in " ".join(capsys.readouterr().out.split())
+    # What the command has no option for is called as in the table.
+    notes = {
+        -180.0: "-1 whole turn taken off angle_1; angle_1 is above the pivot in most rows: is it "
+        "counted from the x axis (--angle-from right)?",
+        360.0: "1 whole turn taken off angle_1",
+    }
+    for turned, note in notes.items():
+        path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) + turned))
+        assert main(["import", str(path)]) == 0
+        assert f" note {note} written " in " ".join(capsys.readouterr().out.split())
     path = written(tmp_path, "sec,theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE)), "b.csv")
     assert main(["import", str(path), "--column", "angle_1=theta"]) == 2
     assert (

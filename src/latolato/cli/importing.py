@@ -10,10 +10,15 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from latolato.cli.options import ColumnOption, JsonOption, columns_of, with_options
+from latolato.cli.options import (
+    ColumnOption,
+    JsonOption,
+    StrictCommand,
+    columns_of,
+    with_options,
+)
 from latolato.cli.output import print_summary
 from latolato.core.errors import InputError, called
-from latolato.core.parameters import flag_of
 from latolato.experiment.importing import import_table
 from latolato.experiment.track_table import balls_of, read_table, write_table
 from latolato.io.tables.source import read_source
@@ -46,6 +51,8 @@ def import_(
         bool, typer.Option("--preview", help="Show what was recognised and write nothing.")
     ] = False,
     as_json: JsonOption = False,
+    *,
+    context: typer.Context,
     **values: Any,
 ) -> None:
     """Convert another program's table into a track table: Tracker exports, phone sensors."""
@@ -68,7 +75,8 @@ def import_(
     files = {"files": [str(target)]}
     lines = lines_of(table)
     if notes:
-        lines["note"] = "; ".join(called(note, flag_of) for note in notes)
+        assert isinstance(context.command, StrictCommand)
+        lines["note"] = "; ".join(called(note, context.command.name_of) for note in notes)
     print_summary(summarise(table) | files, lines, as_json=as_json)
 
 

@@ -95,7 +95,7 @@ class StrictCommand(TyperCommand):
         except InputError as error:
             error.name_of = self.name_of
             name, *rest = re.split(r"\b(?=\W)", error.parameter or "", maxsplit=1)
-            if ctx.params.get(name) is not None:
+            if not error.where and ctx.params.get(name) is not None:
                 error.parameter = self.name_of(name) + "".join(rest)
             raise
 
@@ -304,7 +304,9 @@ def _adding(options: list[inspect.Parameter], *, first: bool = False) -> Callabl
             for parameter in signature.parameters.values()
             if parameter.kind is not parameter.VAR_KEYWORD
         ]
-        words = sum(isinstance(p.annotation.__metadata__[0], ArgumentInfo) for p in declared)
+        # The context of a command has no mark of typer.
+        marks = [getattr(p.annotation, "__metadata__", (None,))[0] for p in declared]
+        words = sum(isinstance(mark, ArgumentInfo) for mark in marks)
         place = words if first else len(declared)
         parameters = [*declared[:place], *options, *declared[place:]]
         command.__signature__ = signature.replace(parameters=parameters)  # type: ignore[attr-defined]

@@ -87,7 +87,7 @@ def checked_axes(axes: Any, known: Mapping[str, Parameter]) -> tuple[Axis, ...]:
             repeated = next(p for i, p in enumerate(points) if p in points[:i])
             text = ", ".join(f"{value:g}" for value in repeated)
             raise InputError(
-                f"axis {{parameter}} must not repeat a value, got {text} twice",
+                f"must not repeat a value, got {text} twice",
                 parameter=name,
                 way_out="remove one",
             )
