@@ -280,7 +280,9 @@ def test_a_sidecar_of_another_video_is_refused(swing, toy, tmp_path, capsys):
         ('sha256 = "HASH"\n[geometry]\nballs = [[1, 2]]\nlength = -1', "must lie in (0, inf)"),
         ('sha256 = "HASH"\n[geometry]\nballs = 3', "balls must be a list, got 3"),
         ('sha256 = "HASH"\n[geometry]\nballs = [[1, 2]]\ncorrections = 3', "must be a list, got 3"),
-        ('sha256 = "HASH"\n[limits]\npixels = "many"', "pixels must be positive, got 'many'"),
+        ('sha256 = "HASH"\n[geometry]\nballs = [[1, 2]]\npivot_2 = 3', "pivot_2 must be a column"),
+        ('sha256 = "HASH"\n[limits]\npixels = "many"', "pixels must be a number, got 'many'"),
+        ('sha256 = "HASH"\n[limits]\nframes = true', "frames must be a number, got True"),
     ],
 )
 def test_a_broken_sidecar_is_refused(swing, tmp_path, capsys, text, reason):

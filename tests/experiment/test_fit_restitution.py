@@ -47,6 +47,14 @@ def test_flights_of_another_length_are_doubted(restitution, clock, length, share
         )
 
 
+def test_a_known_pivot_that_ends_before_the_record_is_refused_by_the_end():
+    table = motion_table(pair(0.9), DRIVE, initial_angle=(0.6, -0.4), duration=2.0)
+    times = np.linspace(0.0, 1.5, 60)
+    short = ll.MeasuredPivot(times=times, pivot_heights=0.03 * np.cos(15.1 * times))
+    with pytest.raises(ll.InputError, match=r"^end must be at most 1\.5 s, where the samples"):
+        ll.fit_restitution(table, length=0.245, drive=short)
+
+
 def test_one_ball_and_a_wall_give_it_too():
     toy = ll.LatoLato(length=0.245, mass=0.106, damping=0.005, radius=0.02, restitution=0.9)
     table = motion_table(toy, DRIVE, initial_angle=0.5, duration=5.0)

@@ -125,7 +125,10 @@ def learned(contrast):
     luma = wall.copy()
     luma[35:46, 35:46] += np.uint8(contrast)
     look = SimpleNamespace(
-        paint=np.zeros((57, 57, 3), np.float32), colours=colours, body=None, whitened=lambda: None
+        paint=np.zeros((1, 57, 57, 3), np.float32),
+        colours=colours,
+        body=None,
+        whitened=lambda: None,
     )
     bob, pivot = np.array([40.0, 40.0]), np.array([40.0, 5.0])
     click = Sighting(0, bob, pivot, 0.0, 0.0, 1.0, np.zeros(2))

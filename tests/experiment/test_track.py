@@ -103,6 +103,19 @@ def test_a_sidecar_that_is_read_is_warned_of_and_so_is_what_was_found_for_it(swi
     assert table.attrs["warnings"] == texts[1]
 
 
+@pytest.mark.parametrize(
+    "name, value, reason",
+    [
+        ("slow_motion", None, "must be a number, got None"),
+        ("corrections", None, "must be a list, got None"),
+        ("pivot_2", 3, "must be a column and a row"),
+    ],
+)
+def test_a_setup_names_the_value_at_fault(name, value, reason):
+    with pytest.raises(ll.InputError, match=f"^{name} {reason}"):
+        Setup(pivot=None, balls=(), **{name: value})
+
+
 def test_a_setup_survives_its_file(swing, tmp_path):
     setup = Setup(pivot=(1.5, 2.0), balls=((3.0, 4.25), (5.0, 6.0)), length=0.1, is_proposed=True)
     path = write_sidecar(setup, swing.path, tmp_path / "one.toml")

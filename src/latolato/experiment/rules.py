@@ -646,6 +646,10 @@ RULES = {
         "use a Pendulum for each ball",
     ),
     "flights_length": Rule("needs length [m]: the flights are pendulum motion"),
+    "end_of_drive": Rule(
+        "must be at most {latest:.6g} s, where the samples of the drive end",
+        "give less, or a drive with later samples",
+    ),
     "few_ok": Rule("ball {ball} has fewer than {count} samples flagged ok"),
     "no_reversal": Rule("no impact was seen: the angle between the balls never reverses"),
     "no_impact": Rule(

@@ -10,12 +10,13 @@ from dataclasses import asdict, dataclass, field, fields, replace
 from functools import partial
 from numbers import Real
 from pathlib import Path
-from typing import Any, Final, Literal
+from types import NoneType
+from typing import Any, Final, Literal, get_args
 
 from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError, reading
 from latolato.core.quantities import NON_NEGATIVE, Range
-from latolato.core.registry import checked_count, suggest
+from latolato.core.registry import checked_count, suggest, types_of
 from latolato.core.versions import version_of
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.parameters import CLIP, LOOK, SHAPES, VIDEO_PARAMETERS
@@ -120,7 +121,7 @@ class Setup:
     def __post_init__(self) -> None:
         for name, check in _CHECKS.items():
             value = getattr(self, name)
-            if value is not None:
+            if value is not None or name not in _OPTIONAL:
                 object.__setattr__(self, name, check(value))
 
     @property
@@ -322,7 +323,9 @@ def _checked_list(check: Callable[[Any], Any], name: str, values: Any) -> tuple[
     return tuple(check(value) for value in values)
 
 
-# Checks of the values of a set-up that are not None.
+# What a set-up may lack.
+_OPTIONAL = {name for name, kind in types_of(Setup).items() if NoneType in get_args(kind)}
+# Checks of the values of a set-up.
 _CHECKS: dict[str, Callable[[Any], Any]] = {
     **{
         name: parameter.checked
@@ -330,7 +333,7 @@ _CHECKS: dict[str, Callable[[Any], Any]] = {
         if name in Setup.__dataclass_fields__
     },
     "pivot": partial(checked_place, "pivot"),
-    "pivot_2": partial(checked_place, "pivot"),
+    "pivot_2": partial(checked_place, "pivot_2"),
     "balls": partial(_checked_list, partial(checked_place, "ball"), "balls"),
     "region": checked_region,
     "stick": checked_stick,

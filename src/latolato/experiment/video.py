@@ -19,6 +19,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, Word, import_extra, reading
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number
+from latolato.core.rules import broken_rule
 from latolato.experiment.container import (
     Clock,
     declared_clock,
@@ -77,7 +78,9 @@ class Limits:
 
     def __post_init__(self) -> None:
         for name, value in asdict(self).items():
-            if not (isinstance(value, Real) and float(value) > 0.0):
+            if isinstance(value, bool) or not isinstance(value, Real):
+                raise broken_rule("number", parameter=name, value=value)
+            if not float(value) > 0.0:
                 raise InputError("must be positive", parameter=name, value=value)
 
     def check(self, name: str, value: float, found: Sentence) -> None:

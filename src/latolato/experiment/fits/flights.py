@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.experiment.fits.least_squares import Floats
-from latolato.physics.drives import Drive
+from latolato.experiment.rules import broken
+from latolato.physics.drives import Drive, MeasuredPivot
 
 # Samples that a flight needs.
 FEWEST = 5
@@ -22,7 +23,15 @@ Pull = Callable[[float], float]
 
 
 def pull_of(drive: Drive, origin: float, gravity: float, length: float, last: float) -> Pull:
-    """A function for (g + y0'')/l [1/s^2] at an instant of the table up to its `last` one [s]."""
+    """A function for (g + y0'')/l [1/s^2] at an instant of the table up to its `last` one [s].
+
+    Raises
+    ------
+    InputError
+        If the samples of the drive end before.
+    """
+    if isinstance(drive, MeasuredPivot) and drive.times[-1] < last - origin:
+        raise broken("end_of_drive", {"latest": origin + drive.times[-1]}, parameter="end")
     segments = drive.segments(last - origin)
     starts = [segment.start for segment in segments]
     acceleration = drive.acceleration

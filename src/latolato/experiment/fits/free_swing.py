@@ -13,7 +13,7 @@ import numpy as np
 from latolato.core.errors import InputError
 from latolato.core.quantities import ANY, quantity_field
 from latolato.experiment.fits.adequacy import cost, solutions_of
-from latolato.experiment.fits.least_squares import Data, Guess, Solution
+from latolato.experiment.fits.least_squares import MOST_TRIALS, Data, Guess, Solution
 from latolato.experiment.fits.samples import noise_of, steps_over_gap
 from latolato.experiment.fits.sight import ABOVE
 from latolato.experiment.fits.swings import period_factor
@@ -71,7 +71,10 @@ def fit_equation(
     first: Mapping[str, float],
     terms: Sequence[str],
     aside: Mapping[str, Guess],
-    **options: Any,
+    *,
+    profiles: Sequence[str] = (),
+    like: Solution | None = None,
+    limit: int = MOST_TRIALS,
 ) -> Solution:
     """Return the least-squares solution of the equation with these drags.
 
@@ -86,8 +89,8 @@ def fit_equation(
         Which drags there are. Linear drag alone has no bound: a swing may grow.
     aside : mapping of str to Guess
         How the table sees angles (`latolato.experiment.fits.sight`).
-    **options
-        Options of `solve`.
+    profiles, like, limit
+        Those of `solve`.
     """
     guesses = {
         "natural_frequency": Guess(first["natural_frequency"], 1e-3),
@@ -105,7 +108,7 @@ def fit_equation(
 
     model = WindowedModel(data, laws, guesses, data.times[:1], 0.0)
     state = np.array([[[first[name] for name in START]]])
-    return model.solved(model.guesses(state), **options)
+    return model.solved(model.guesses(state), profiles=profiles, like=like, limit=limit)
 
 
 def _pendulum(frequency: float, drags: Mapping[str, float]) -> Pendulum:

@@ -42,6 +42,8 @@ _ROUNDING, _TAKES_PART = 1e-12, 0.1
 # Parameters that messages name.
 _LISTED = 4
 _ROUNDS = 2
+# Trials after which a fit gives up, unless its caller can only spare fewer.
+MOST_TRIALS = 400
 
 
 class ConvergenceError(InputError):
@@ -244,7 +246,7 @@ def solve(
     profiles: Sequence[str] = (),
     like: Solution | None = None,
     jacobian: Jacobian | None = None,
-    limit: int = 400,
+    limit: int = MOST_TRIALS,
 ) -> Solution:
     """Return the least-squares solution.
 

@@ -12,7 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.quantities import Range
-from latolato.experiment.fits.least_squares import Data, Floats, Guess, Solution, solve
+from latolato.experiment.fits.least_squares import (
+    MOST_TRIALS,
+    Data,
+    Floats,
+    Guess,
+    Solution,
+    solve,
+)
 from latolato.experiment.fits.sight import SEEN, Sight, drop_of
 from latolato.numerics.integrate import Directions, Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
@@ -113,9 +120,24 @@ class WindowedModel:
                 guesses[velocity] = Guess(float(state[j, 1]))
         return guesses
 
-    def solved(self, guesses: Mapping[str, Guess], **options: Any) -> Solution:
+    def solved(
+        self,
+        guesses: Mapping[str, Guess],
+        *,
+        profiles: Sequence[str] = (),
+        like: Solution | None = None,
+        limit: int = MOST_TRIALS,
+    ) -> Solution:
         """Return the least-squares solution of the samples; options are those of `solve`."""
-        return solve(self, guesses, self.data, jacobian=self.jacobian, **options)
+        return solve(
+            self,
+            guesses,
+            self.data,
+            profiles=profiles,
+            like=like,
+            jacobian=self.jacobian,
+            limit=limit,
+        )
 
     def __call__(self, p: Mapping[str, float]) -> Floats:
         """Return the angles at the samples as they are seen [rad]."""
