@@ -93,6 +93,16 @@ def test_the_spline_of_a_measured_pivot_may_be_the_drive():
     assert fit["length"].value == pytest.approx(0.363, rel=2e-3)
 
 
+def test_a_known_pivot_that_ends_before_the_record_is_refused_and_its_part_is_fitted():
+    table = motion_table(PENDULUM, SLOW, initial_angle=0.3, duration=4.0)
+    times = np.linspace(0.0, 3.0, 120)
+    short = ll.MeasuredPivot(times=times, pivot_heights=0.02 * np.cos(10.09 * times))
+    with pytest.raises(InputError, match=r"^end must be at most 3 s, where the samples"):
+        fit_model(table, PENDULUM, short, vary=["length"])
+    fit = fit_model(table, PENDULUM, short, vary=["length"], end=3.0)
+    assert fit["length"].value == pytest.approx(0.363, rel=2e-3)
+
+
 def test_a_colliding_pair_gives_its_restitution():
     table = motion_table(TOY, FAST, initial_angle=0.5, duration=8.0)
     guess = ll.LatoLato(length=0.25, mass=0.106, damping=0.004, radius=0.02, restitution=0.8)

@@ -11,8 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.experiment.fits.least_squares import Floats
-from latolato.experiment.rules import broken
-from latolato.physics.drives import Drive, MeasuredPivot
+from latolato.experiment.fits.samples import check_end
+from latolato.physics.drives import Drive
 
 # Samples that a flight needs.
 FEWEST = 5
@@ -30,8 +30,7 @@ def pull_of(drive: Drive, origin: float, gravity: float, length: float, last: fl
     InputError
         If the samples of the drive end before.
     """
-    if isinstance(drive, MeasuredPivot) and drive.times[-1] < last - origin:
-        raise broken("end_of_drive", {"latest": origin + drive.times[-1]}, parameter="end")
+    check_end(drive, origin, last)
     segments = drive.segments(last - origin)
     starts = [segment.start for segment in segments]
     acceleration = drive.acceleration

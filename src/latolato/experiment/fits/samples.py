@@ -21,6 +21,7 @@ from latolato.experiment.track_table import (
     has_own_pivots,
     table_of_ball,
 )
+from latolato.physics.drives import Drive, MeasuredPivot
 from latolato.physics.pendulum import LatoLato, System
 
 if TYPE_CHECKING:
@@ -245,3 +246,12 @@ def is_driven(table: xr.Dataset, length: float, column: str = "pivot_y") -> bool
     places = table[column].values
     noise = noise_of(places[np.isfinite(places)])
     return pivot_swing(table, column) > max(_STILL * length, 4.0 * noise)
+
+
+def check_end(drive: Drive, origin: float, last: float) -> None:
+    """Raise InputError if the samples of a drive end before the `last` instant of a table [s].
+
+    The drive's time zero is the instant `origin` of the table [s].
+    """
+    if isinstance(drive, MeasuredPivot) and drive.times[-1] < last - origin:
+        raise broken("end_of_drive", {"latest": origin + drive.times[-1]}, parameter="end")

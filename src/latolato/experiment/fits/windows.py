@@ -20,6 +20,7 @@ from latolato.experiment.fits.least_squares import (
     Solution,
     solve,
 )
+from latolato.experiment.fits.samples import check_end
 from latolato.experiment.fits.sight import SEEN, Sight, drop_of
 from latolato.numerics.integrate import Directions, Start, integrate
 from latolato.numerics.prepare import choose_stepper, rate_of, step_for
@@ -88,6 +89,7 @@ class WindowedModel:
     ) -> None:
         self.data, self.laws, self.shared, self.origin = data, laws, dict(shared), origin
         system, drive = laws({name: guess.value for name, guess in shared.items()})
+        check_end(drive, origin, float(np.max(data.times)))
         self.angles = system.angles
         self._sight = Sight.of(data)
         self.windows = _windows(data, begins)
