@@ -48,7 +48,7 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
     "query, words, remedy",
     [
         ("system=pendulum", "Pendulum needs “pivot to ball centre”.", "Take usual values"),
-        ("system=ballpair", "BallPair needs 'right'.", "Take usual values"),
+        ("system=ballpair", "BallPair needs “right ball”.", "Take usual values"),
         ("system=pendulum&length=1&mass=1", "“duration” is needed", "Take usual values"),
         (
             "system=mathieu&suspension=string",
@@ -59,6 +59,11 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
             "system=mathieu&suspension=string&lang=id",
             "hanya berlaku untuk sistem Bandul atau Lato-lato atau Sepasang bola, bukan Mathieu",
             "Hilangkan",
+        ),
+        (
+            "system=latolato&length=0.2&mass=0.1&radius=0.02&duration=2&clamp_step=1ms",
+            "belongs to contact clamp, not to exact",
+            "Leave it out",
         ),
         (
             "system=pendulum&lang=id",

@@ -292,7 +292,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
         ),
         (
             ["first_push", "fig04a", "--frequency-ratio", "2, 2"],
-            "--frequency-ratio must not hold 2 twice",
+            "--frequency-ratio must not repeat a value, got 2; remove one",
         ),
         (
             [
@@ -303,7 +303,7 @@ def test_left_out_laws_are_told_in_one_line(capsys):
                 "--drive-amplitude",
                 "1, 1",
             ],
-            "--drive-amplitude must not hold 1 twice",
+            "--drive-amplitude must not repeat a value, got 1; remove one",
         ),
         (
             ["hysteresis", "fig04a", "--drive-amplitude", "1, 1"],

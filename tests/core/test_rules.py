@@ -72,8 +72,9 @@ def test_rules_leave_it_to_each_surface_what_an_option_is_called(name):
 
 def test_names_of_which_one_is_meant_are_translated_one_by_one():
     names = in_parts(either_of(["pendulum", "latolato", "ballpair"]))
-    assert (names["name"], names["values"]["other"]) == ("either_of", "ballpair")
-    assert names["values"]["first"]["values"] == {"first": "pendulum", "other": "latolato"}
+    assert (names["name"], names["values"]["other"]) == ("either_of", {"word": "ballpair"})
+    first = names["values"]["first"]["values"]
+    assert first == {"first": {"word": "pendulum"}, "other": {"word": "latolato"}}
 
 
 def test_a_gap_may_hold_the_name_of_a_parameter():

@@ -459,3 +459,19 @@ def test_every_run_option_is_an_argument_of_simulate_or_turned_into_one():
 
     known = set(inspect.signature(ll.simulate).parameters)
     assert set(run_options()) - known == {"samples", "clamp_step"}
+
+
+@pytest.mark.parametrize(
+    "system, run, words",
+    [
+        (TOY, {"clamp_step": 0.001}, {"part": "contact", "owners": "clamp", "kind": "exact"}),
+        ({"kind": "pendulum", "mass": 1.0}, {}, {"law": "Pendulum"}),
+        ({"kind": "ballpair", "length": 1.0}, {}, {"law": "BallPair"}),
+        ({"kind": "latolatto"}, {}, {"kind": "system"}),
+    ],
+)
+def test_pages_translate_the_names_of_laws_in_a_refusal(system, run, words):
+    with pytest.raises(InputError) as caught:
+        Scenario.from_dict({"system": system, "run": {**RUN, **run}})
+    values = caught.value.parts()["rule"]["values"]
+    assert {name: values[name] for name in words} == {n: {"word": w} for n, w in words.items()}

@@ -101,8 +101,8 @@ def check_no_repeat(name: str, values: Floats) -> None:
     """Raise InputError for a value that is given twice."""
     known, counts = np.unique(values, return_counts=True)
     if (counts > 1).any():
-        twice = {"repeated": float(known[counts > 1][0])}
-        raise broken_analysis("no_repeat", twice, parameter=name)
+        repeated = float(known[counts > 1][0])
+        raise broken_analysis("no_repeat", parameter=name, value=repeated)
 
 
 def increasing(name: str, values: Any, default: Floats) -> Floats:

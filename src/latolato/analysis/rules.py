@@ -105,7 +105,7 @@ RULES = {
     "needed_by_analysis": Rule("this analysis needs {@}{unit}"),
     "value_of_each": Rule("give one value for each parameter, with commas between"),
     "such_values": Rule("give values such as 0 : 1 : 11, which are 11 from 0 to 1"),
-    "no_repeat": Rule("must not hold {repeated:g} twice", "remove one"),
+    "no_repeat": Rule("must not repeat a value", "remove one"),
     "low_to_high": Rule("{@} must be less than {high}"),
     "low_to_high_of": Rule("{@} must be less than {@high} for {name}"),
     "entropy_box": Rule(

@@ -14,7 +14,7 @@ from functools import lru_cache, wraps
 from itertools import pairwise
 from typing import Any, Generic, TypeVar, cast, get_type_hints
 
-from latolato.core.errors import InputError, is_quantity
+from latolato.core.errors import InputError, Word, is_quantity
 from latolato.core.quantities import ANY, COUNT, Range, in_brackets
 from latolato.core.rules import broken_rule, sentence
 
@@ -132,7 +132,7 @@ class Registry(Mapping[str, Entry], Generic[Entry]):
     def __getitem__(self, name: str) -> Entry:
         if name not in self:
             hint = suggest(str(name), list(self._entries))
-            raise broken_rule("unknown", {"kind": self.kind, "name": name, "hint": hint})
+            raise broken_rule("unknown", {"kind": Word(self.kind), "name": name, "hint": hint})
         return self._entries[name]
 
     def __contains__(self, name: object) -> bool:
@@ -489,7 +489,7 @@ def _check_names(kind: Any, parameters: Mapping[str, Any]) -> None:
         name = missing[0]
         quantity = known[name].metadata.get("quantity")
         unit = in_brackets(quantity.unit) if quantity else ""
-        raise broken_rule("needed", {"law": kind.__name__, "unit": unit}, parameter=name)
+        raise broken_rule("needed", {"law": Word(kind.__name__), "unit": unit}, parameter=name)
 
 
 def rebuild(kind: type, described: Mapping[str, Any]) -> Any:

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
-from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence
+from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence, Word
 
 
 class Rule(NamedTuple):
@@ -237,8 +237,8 @@ def either_of(names: Sequence[str]) -> str:
     >>> print(either_of(["pendulum", "latolato"]))
     pendulum or latolato
     """
-    first, *others = names
-    return reduce(lambda a, b: sentence("either_of", first=a, other=b), others, first)
+    words: list[str] = [Word(name) for name in names]
+    return reduce(lambda a, b: sentence("either_of", first=a, other=b), words)
 
 
 def broken_rule(

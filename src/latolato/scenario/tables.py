@@ -9,7 +9,7 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from latolato.core.errors import InputError, name_gap
+from latolato.core.errors import InputError, Word, name_gap
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
@@ -68,7 +68,11 @@ def _with_contact(run: Tables) -> Tables:
             contact = run.get("contact", RUN_OPTIONS["contact"].default) or "none"
             raise broken_rule(
                 "foreign",
-                {"part": "contact", "owners": either_of(owners[name]), "kind": contact},
+                {
+                    "part": Word("contact"),
+                    "owners": either_of(owners[name]),
+                    "kind": Word(contact),
+                },
                 parameter=name,
                 kind=ForeignParameterError,
             )
@@ -112,7 +116,12 @@ def _check_owner(name: str, value: Any, registry: Any, part: str, kind: str) -> 
     inner = next(iter(value), "") if isinstance(value, Mapping) else ""
     raise broken_rule(
         "foreign_part" if inner in own else "foreign",
-        {"part": part, "owners": either_of(owners), "kind": kind, "name": name_gap(inner)},
+        {
+            "part": Word(part),
+            "owners": either_of(owners),
+            "kind": Word(kind),
+            "name": name_gap(inner),
+        },
         parameter=f"{name}_{inner}" if inner else name,
         kind=ForeignParameterError,
     )
@@ -142,7 +151,7 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
                 each = " and ".join(f"{part}.{name}" for part in parts)
                 raise broken_rule(
-                    "of_each_part", {"law": law.__name__, "parts": each}, parameter=name
+                    "of_each_part", {"law": Word(law.__name__), "parts": each}, parameter=name
                 )
             plain[name] = value  # the law names it together with the closest known one
         elif "quantity" in known[name].metadata:

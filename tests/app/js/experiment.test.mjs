@@ -29,7 +29,9 @@ test("the ends of an interval have the digits of the standard deviation", () => 
   assert.equal(toPlace(3e-5, 0.01), "0.000");
   assert.equal(toPlace(0, 0.01), "0.000");
   assert.equal(toPlace(3e-7, 5e-5), "0");
-  assert.equal(toPlace(40, 3000), "0");
+  // Below the place of that digit, 100, a value is rounded to it.
+  assert.deepEqual([95, 60, 40, -60, -40].map((value) => toPlace(value, 3000)), ["100", "100", "0", "−100", "0"]);
+  assert.equal(toPlace(9.6e-7, 5e-5), "1e−6");
 });
 
 const track = (afterGaps = []) => new Track({

@@ -2,8 +2,10 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inLanguage, inPagesWords, warningsText } from "../../../src/latolato/app/static/js/page/refusals.js";
+import { inLanguage, inPagesWords, sentenceOfError, warningsText } from "../../../src/latolato/app/static/js/page/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
+import { inWords } from "../../../src/latolato/app/static/js/page/option_labels.js";
+import { shownEnd } from "../../../src/latolato/app/static/js/page/unit_text.js";
 import { firstOf } from "../../../src/latolato/app/static/js/page/language.js";
 import { setLanguage, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
@@ -47,6 +49,8 @@ test("a refusal has the unit and the label of the screen", () => {
   const words = brokenRule("quantity_of_unit", { parameter: "angle", value: "x" }, { unit: "rad" });
   assert.equal(words.message, "angle must be given in rad (or a unit that converts to it), got 'x'");
   assert.equal(inPagesWords(registry, words)[0], "“Where it starts” must be a number in °, got 'x'");
+  const endless = brokenRule("number_in_unit", { parameter: "angle", value: -Infinity }, { unit: "rad" });
+  assert.equal(inPagesWords(registry, endless)[0], "“Where it starts” must be a number in °, got −∞");
 });
 
 test("a rule that is no limit of its option says its own end", () => {
@@ -69,6 +73,21 @@ test("other numbers have the unit of the screen, and other parameters their labe
     "“Low” must be less than “High”, got 18 mm");
 });
 
+test("a field shows its unit, so that a refusal beside it need not", () => {
+  const registry = /** @type {any} */ ({ options: { low: { label: "Low", unit: "m" } } });
+  for (const [name, text] of Object.entries({ needed: "{law} needs '{@}'{unit}", needed_by_analysis: "this analysis needs {@}{unit}" })) {
+    const rule = { name, part: /** @type {const} */ ("rule"), text, values: { law: "Chirp", unit: " [m]" } };
+    assert.match(inPagesWords(registry, new InputError(rule, { parameter: "low" }))[0], /needs “Low”$/);
+  }
+});
+
+test("a value that is repeated has the unit of the screen", () => {
+  const low = { label: "Low", unit: "m", units: [{ name: "mm", size: 0.001 }] };
+  const rule = { name: "no_repeat", part: /** @type {const} */ ("rule"), text: "must not repeat a value", values: {} };
+  assert.equal(inPagesWords(/** @type {any} */ ({ options: { low } }), new InputError(rule, { parameter: "low", value: 0.03 }))[0],
+    "“Low” must not repeat a value, got 30 mm");
+});
+
 test("ends of intervals are shown as numbers that they hold, and what is no number as such", () => {
   const limits = [{ is_lower: true, end: 0.1001674, is_open: false, rule: "at_least", values: { end: "0.1001674" } },
     { is_lower: false, end: 1, is_open: false, rule: "at_most", values: { end: "1" } }];
@@ -78,10 +97,36 @@ test("ends of intervals are shown as numbers that they hold, and what is no numb
     { parameter: "angle", value }, { range: "[0.1001674, 1] rad", end: "1" }))[0];
   // 1 rad is 57.29578 degrees, and the lower end 5.73917.
   assert.equal(says(2), "“Angle” must lie between 5.74° and 57.29°, got 114.592°");
-  assert.equal(says(Infinity), "“Angle” must lie between 5.74° and 57.29°, got inf");
+  assert.equal(says(Infinity), "“Angle” must lie between 5.74° and 57.29°, got ∞");
   const rule = { name: "", part: /** @type {const} */ ("rule"), text: "must be known", values: {} };
   assert.equal(inPagesWords(registry, new InputError(rule, { parameter: "angle", value: NaN }))[0],
-    "“Angle” must be known, got nan");
+    "“Angle” must be known, got no number");
+});
+
+test("whole numbers at the ends of intervals are shown as they are", () => {
+  assert.equal(shownEnd(65536, false), 65536);
+  assert.equal(shownEnd(65536.5, false), 65530);
+  const limits = [{ is_lower: false, end: 2 ** 53 - 1, is_open: false, rule: "at_most", values: { end: "9007199254740991" } }];
+  const registry = /** @type {any} */ ({ options: { seed: { label: "Seed", unit: "1", limits } } });
+  const beyond = brokenRule("at_most", { parameter: "seed", value: 2 ** 60 }, { range: "", end: "9007199254740991" });
+  assert.equal(inPagesWords(registry, beyond)[0], "“Seed” must be at most 9007199254740991, got 1152921504606847000");
+});
+
+test("a sentence begins with a capital, but names of files and of Python stay as they are", () => {
+  const registry = /** @type {any} */ ({ options: {} });
+  const says = (/** @type {InputError} */ error) => inPagesWords(registry, error)[0];
+  assert.equal(says(new InputError("it holds no columns")), "It holds no columns");
+  assert.equal(says(new InputError("it holds no columns", { where: "swing.csv" })), "swing.csv: it holds no columns");
+  assert.equal(says(new InputError("must be known", { parameter: "noise_stream" })), "noise_stream must be known");
+  const { rule } = brokenRule("axis_needed", {}, { name: "initial_angle" });
+  assert.match(says(new InputError(rule)), /^initial_angle is needed/);
+  const word = brokenRule("foreign", { parameter: "length" }, { part: { word: "drive" }, owners: "a", kind: "b" });
+  assert.match(says(word), /^length belongs to drive a/);
+  const needs = brokenRule("needed", { parameter: "length" }, { law: { word: "strings" }, unit: "" });
+  assert.equal(says(needs), "Strings needs 'length'");
+  assert.equal(sentenceOfError(new InputError("the balls overlap")), "The balls overlap");
+  assert.equal(inWords("noise_stream must be known", {}), "noise_stream must be known");
+  assert.equal(inWords("the balls overlap", {}), "The balls overlap");
 });
 
 test("a sentence says what sets a parameter to a value: in Python's words, or in those of the page", () => {

@@ -71,6 +71,8 @@ function startViews(page) {
   const nav = /** @type {HTMLElement} */ (document.getElementById("views"));
   nav.setAttribute("aria-label", t("views"));
   learnLabels(page.registry.options);
+  // Of a pair, each ball is a parameter as well.
+  learnLabels({ right: { label: t("right") }, left: { label: t("left") } });
   learnKinds(page.registry);
   /** @type {Record<string, any>} */
   const made = {};

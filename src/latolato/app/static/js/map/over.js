@@ -2,7 +2,7 @@
 
 import { InputError } from "../model/rules.js";
 import { readQuantity } from "../page/entry.js";
-import { inPagesWords } from "../page/refusals.js";
+import { inLanguage, inPagesWords } from "../page/refusals.js";
 import { loadText } from "../kernels/files.js";
 import { sizeOf } from "./axes.js";
 import { lookOf } from "./colours.js";
@@ -151,8 +151,8 @@ export class Over {
       return make();
     } catch (error) {
       if (!(error instanceof InputError)) throw error;
-      const [text] = inPagesWords(this.view.page.registry, error);
-      notes.push(file ? `${file}: ${text}` : text);
+      notes.push(file ? inLanguage(new InputError(error.rule, { ...error.about, where: file }))
+        : inPagesWords(this.view.page.registry, error)[0]);
       return null;
     }
   }

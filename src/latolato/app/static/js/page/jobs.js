@@ -4,7 +4,7 @@ import { t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el, notify } from "./dom.js";
-import { inLanguage } from "./refusals.js";
+import { sentenceOfError } from "./refusals.js";
 
 /** @typedef {{state: string, elapsed: number, progress?: number}} Status */
 /** @typedef {import("./block.js").Block} Block */
@@ -100,7 +100,7 @@ export class JobLine {
     } catch (error) {
       if (error instanceof Refusal) {
         this.refusal = error;
-        this.refuse(inLanguage(error.input ?? error));
+        this.refuse(sentenceOfError(error.input ?? error));
       }
       else if (!(error instanceof DOMException)) throw error;
       return null;

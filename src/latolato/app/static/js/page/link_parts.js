@@ -16,7 +16,7 @@ const PARTS = /** @type {Record<string, string[]>} */ ({
   toy: ["hand"], report: [],
   story: ["list", "name", "step", "answers", "tried", "guess"],
 });
-// What is pressed where an option is missing, or is none of the system and drive.
+// What is pressed where an option is missing, or is none of the system, the drive and the contact.
 const MENDED = /** @type {Record<string, string>} */ ({ needed: "takeUsual", angle_needed: "takeUsual",
   duration_needed: "takeUsual", foreign: "leaveItOut", foreign_part: "leaveItOut" });
 // Views that show one run; a sweep opens in Map.
@@ -90,8 +90,12 @@ export function waysBack({ registry, store }, error) {
   const { scenario, options } = store.state;
   const hasPreset = (scenario !== null || !options.system) && Object.keys(options).length > 0;
   const rule = error instanceof InputError && typeof error.rule === "object" ? error.rule.name : "";
-  const mend = () => store.set({ options: { duration: textOf(registry, "duration", registry.options.duration.usual),
-    ...withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot") } }, "preset");
+  const mend = () => {
+    const kept = withLaws(registry, options, {}, options.system, options.drive ?? "fixed_pivot");
+    // `withLaws` leaves out what belongs to other systems and drives, but not to another contact.
+    if (MENDED[rule] === "leaveItOut" && error instanceof InputError) delete kept[String(error.parameter)];
+    store.set({ options: { duration: textOf(registry, "duration", registry.options.duration.usual), ...kept } }, "preset");
+  };
   return [
     ...(MENDED[rule] && options.system ? [{ label: t(MENDED[rule]), act: mend }] : []),
     ...(store.canGoBack ? [{ label: t("undo"), act: () => history.back() }] : []),

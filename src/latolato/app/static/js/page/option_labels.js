@@ -6,13 +6,14 @@ import { capitalised } from "../strings.js";
 const NAMES = /\b[a-z]+(?:_[a-z\d]+)+\b|^[a-z]+(?= must )/g;
 
 /**
- * Return a refusal with the words of the page for the options that it names.
+ * Return a refusal with the words of the page for the options that it names; a name without such words stays.
  * @param {string} text
  * @param {Record<string, {label: string}>} words
  * @returns {string}
  */
 export function inWords(text, words) {
-  return capitalised(withLabels(text, words));
+  const said = withLabels(text, words);
+  return said.search(NAMES) === 0 ? said : capitalised(said);
 }
 
 /**

@@ -1,6 +1,6 @@
 /** Errors in the words of the pages. */
 
-import { InputError, literal, pythonName, say } from "../model/rules.js";
+import { InputError, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
 import { besideUnit, short, shownEnd, shownUnit } from "./unit_text.js";
 
@@ -11,6 +11,8 @@ const KINDS = new Map();
 /** @type {import("../model/rules.js").RuleLanguage} */
 const LANGUAGE = { sentence: ruleText, word: (text) => KINDS.get(text) ?? tr(text),
   label: (parameter, value) => called(LABELS.get(parameter), parameter, value) };
+// Rules of what is not given.
+const NEEDED = ["needed", "needed_by_analysis"];
 // Rules that refuse what is no number in the unit of an option.
 const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"];
 // Rules of the ends of an option's range; those of sizes that can be computed with have a way out of their own.
@@ -25,6 +27,8 @@ const STARTS = /** @type {Record<string, string>} */ ({
   separation: "refuseSeparation", "separation in degrees": "refuseSeparation",
   offset: "refuseOffset", "offset in degrees": "refuseOffset",
   "half turn": "refuseBetween", turn: "refuseTurn" });
+// The gap of the parameter at fault: without it a sentence begins with the parameter.
+const PLACE = /\{(?:parameter|@)\}/;
 const TURNS = /** @type {Record<string, number>} */ ({ "half turn": Math.PI, turn: 2 * Math.PI });
 
 /**
@@ -66,6 +70,44 @@ function called(label, parameter, value) {
  */
 export function inLanguage(error, language = LANGUAGE) {
   return error instanceof InputError ? local(error.worded(String(error.parameter), language)) : tr(error.message);
+}
+
+/**
+ * Return the text of an error as a sentence begins; names of files, and those of Python for what has no label, stay as
+ * they are.
+ * @param {string} text
+ * @param {Error} error
+ */
+function begun(text, error) {
+  if (!(error instanceof InputError)) return capitalised(text);
+  const { about: { where }, parameter, rule } = error;
+  const isOwn = where === undefined && (parameter === null || PLACE.test(templateOf(rule))) && beginsWithWord(rule);
+  return isOwn ? capitalised(text) : text;
+}
+
+/** @param {string | import("../model/rules.js").Sentence} rule */
+function templateOf(rule) {
+  return typeof rule === "string" ? rule : ruleText(rule.name, rule.part) ?? rule.text;
+}
+
+/**
+ * Return whether a sentence begins with a word of its own, not with what stands in a gap as it was given.
+ * @param {string | import("../model/rules.js").Sentence} rule
+ * @returns {boolean}
+ */
+function beginsWithWord(rule) {
+  const gap = /^\{(.*?)[:}]/.exec(templateOf(rule))?.[1];
+  if (gap === undefined) return true;
+  const value = typeof rule === "string" ? undefined : rule.values[gap];
+  return typeof value === "object" && ("word" in value || beginsWithWord(value));
+}
+
+/**
+ * Return the text of an error in the language of the page, as a sentence begins.
+ * @param {Error} error
+ */
+export function sentenceOfError(error) {
+  return begun(inLanguage(error), error);
 }
 
 /**
@@ -123,6 +165,13 @@ function endsOf(limits, { name, values }) {
   return [end(true) ?? (SIZES.includes(name) ? { end: 0, is_open: false } : null), end(false)];
 }
 
+/** @param {number} number a whole one is shown as it is, others rounded */
+function numberText(number) {
+  if (Number.isNaN(number)) return t("noNumber");
+  if (!Number.isFinite(number)) return number > 0 ? "∞" : "−∞";
+  return Number.isInteger(number) ? String(number) : short(number);
+}
+
 /**
  * Return an error in plain words, with its numbers in the unit in which the page shows its option.
  * @param {import("../model/registry.js").Option} option
@@ -132,17 +181,17 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
   const { rule, about: { wayOut, ...about } } = error;
   if (typeof rule === "string") return error;
   // Whoever fills in a field sees its unit there.
-  if (rule.name === "needed") return new InputError({ ...rule, values: { ...rule.values, unit: "" } }, error.about);
+  if (NEEDED.includes(rule.name)) return new InputError({ ...rule, values: { ...rule.values, unit: "" } }, error.about);
   const { name, size } = units[0] ?? { name: unit, size: 1 };
   const shown = shownUnit(name);
   const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
+  const withUnit = (/** @type {number} */ each) =>
+    besideUnit(numberText(each / size), Number.isFinite(each) ? shown : "");
   if (NUMBERS.includes(rule.name))
     // A phrase such as "per second" is no unit in which numbers are.
     return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
-      { ...error.about, value });
+      { ...error.about, value, ...(typeof value === "number" && { shown: withUnit(value) }) });
   if (typeof value !== "number") return error;
-  const withUnit = (/** @type {number} */ each) =>
-    (Number.isFinite(each) ? besideUnit(short(each / size), shown) : literal(each));
   const lower = (/** @type {number} */ end) => withUnit(shownEnd(end / size, true) * size);
   const upper = (/** @type {number} */ end) => withUnit(shownEnd(end / size, false) * size);
   const own = { ...about, shown: withUnit(value) };
@@ -178,12 +227,16 @@ export function inPagesWords(registry, error) {
   /** @type {import("../model/rules.js").RuleLanguage} */
   const language = { ...LANGUAGE, label: (parameter, value) =>
     called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
-  if (!(error instanceof InputError) || error.parameter === null) return [capitalised(inLanguage(error, language)), null];
+  if (!(error instanceof InputError) || error.parameter === null) return [begun(inLanguage(error, language), error), null];
   const [name] = error.parameter.split("[");
   const option = options[name];
-  if (!option) return [capitalised(inLanguage(error, language)), null];
+  if (!option) {
+    // A file's names are those of its columns.
+    const own = error.about.where === undefined ? language.label(error.parameter) : error.parameter;
+    return [begun(local(error.worded(own, language)), error), null];
+  }
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [capitalised(local(own.worded(quoted(option.label), language))), name];
+  return [begun(local(own.worded(quoted(option.label), language)), own), name];
 }

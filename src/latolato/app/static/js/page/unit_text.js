@@ -53,12 +53,14 @@ const END_DIGITS = 4;
 const SAME = 1e-12;
 
 /**
- * Return the end of an interval as it is shown: rounded to a number that the interval holds.
+ * Return the end of an interval as it is shown: a whole number as it is, others rounded to a number that the
+ * interval holds.
  * @param {number} end
  * @param {boolean} isLower
  * @returns {number}
  */
 export function shownEnd(end, isLower) {
+  if (Number.isInteger(end)) return end;
   const nearest = Number(end.toPrecision(END_DIGITS));
   const excess = isLower ? end - nearest : nearest - end;
   if (!(excess > SAME * Math.abs(end))) return nearest;
@@ -105,10 +107,12 @@ export function toPlace(value, sigma) {
   const digits = 1 - Math.floor(Math.log10(sigma));
   if (digits >= 0 && digits <= 12 && Math.max(Math.abs(value), sigma) >= SMALL)
     return minus(local(value.toFixed(digits)));
-  // Small and large numbers as powers of ten; one below that place is 0.
-  const figures = Math.floor(Math.log10(Math.abs(value))) + digits + 1;
-  if (figures < 1) return "0";
-  return minus(localShort(value, Number.isFinite(figures) ? Math.min(figures, 12) : 5));
+  // Small and large numbers as powers of ten, with the figures down to that place.
+  const steps = Math.round(value * 10 ** digits);
+  if (steps === 0) return "0";
+  if (!Number.isFinite(steps)) return minus(localShort(value, 5));
+  const figures = Math.floor(Math.log10(Math.abs(steps))) + 1;
+  return minus(localShort(steps / 10 ** digits, Math.min(figures, 12)));
 }
 
 /** @param {number} power */

@@ -414,8 +414,8 @@ export class ToyView {
    */
   async offer(text, error = null) {
     this.knobs.root.hidden = !this.player.motion;
-    const { waysBack } = await import("../page/link_parts.js");
-    this.note(text, waysBack(this.page, error), error !== null);
+    const module = await import("../page/link_parts.js").catch(sayOffline);
+    this.note(text, module?.waysBack(this.page, error) ?? [], error !== null);
   }
 
   /**
