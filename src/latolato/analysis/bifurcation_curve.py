@@ -112,11 +112,11 @@ def bifurcation_curve(
         it brings its parameter's value, the motion, its period and its kind, which are not given
         beside it.
     initial_angle, initial_angular_velocity, period
-        Guess of the motion, as of `floquet`; the period is 1 by default.
+        Guess of the motion, as in a Floquet analysis; the period is 1 by default.
     points : int
         Most points of the curve.
     contact, tolerance, rest_speed
-        As of `floquet`.
+        As in a Floquet analysis.
     progress : callable, optional
         Called with the fraction of `points` that is done.
 

@@ -93,11 +93,11 @@ def continue_orbit(
         period doubling it is that of twice the period, from a broken symmetry or a branch point the
         one that leaves there; both of its halves begin alike, and `direction` has no meaning then.
     initial_angle, initial_angular_velocity, initial_offset, period
-        Guess of the first orbit, as of `floquet`; the period is 1 by default.
+        Guess of the first orbit, as in a Floquet analysis; the period is 1 by default.
     points : int
         Most points of the branch.
     contact, tolerance, rest_speed
-        As of `floquet`.
+        As in a Floquet analysis.
 
     Returns
     -------

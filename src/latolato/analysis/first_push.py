@@ -67,7 +67,7 @@ def first_push(
         What the push gives: an angular velocity, of two balls opposite ones [rad/s]; or an angle
         away from rest at zero speed, of two balls half as far each way [rad].
     largest_push : float, optional
-        Where the search ends, in the unit of the push; by default 3 w0 or 1 rad.
+        Where the search ends, in the unit of the push; by default 3 w0 or one radian.
     scan_points : int
         Pushes tried between none and the largest, at equal distances.
     refinements : int

@@ -38,7 +38,7 @@ def growth_rate(
     position : {"hanging", "inverted"}
         Where the pendulum is.
     method : {"determinant", "monodromy"}
-        Hill's method, or the map over one period by quadrature, as a check.
+        By Hill's method, or by the map over one period by quadrature, as a check.
 
     Returns
     -------

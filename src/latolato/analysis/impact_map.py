@@ -36,7 +36,7 @@ def impact_map(
     rest_speed: float = DEFAULT_REST_SPEED,
     contact_limit: int = 1_000_000,
 ) -> xr.Dataset:
-    """Return drive phase [rad] and angular velocity after [rad/s] of successive impacts.
+    """Return the drive phase [rad] at successive impacts, and the angular velocity [rad/s] after.
 
     The map of a ball bouncing on a table, Holmes (1982); a Poincare section on the walls.
 

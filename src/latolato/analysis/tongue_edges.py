@@ -51,7 +51,7 @@ def tongue_edges(
     position : {"hanging", "inverted"}
         Where the pendulum is.
     method : {"determinant", "monodromy"}
-        Hill's determinant, or the map over one period by quadrature, as a check.
+        By Hill's determinant, or by the map over one period by quadrature, as a check.
 
     Returns
     -------

@@ -56,6 +56,7 @@ _LETTERS = {
     "w0": "ω₀",
     r"A0 (?:omega|w)": "A₀ω",
     r"([Axy])0": r"\1₀",
+    "phase ([xy])": r"φ\1",
     "w|omega": "ω",
     "gamma": "\N{GREEK SMALL LETTER GAMMA}",
     "-pi to pi": "-180° to 180°",

@@ -50,11 +50,12 @@ def _restart(acc: Any, i: int, n: int, angle: float, velocity: float) -> None:
 @observables.register("crossings")
 @dataclass(frozen=True, kw_only=True)
 class Crossings(Observable):
-    """Passages of a ball through the positions +-`crossing_angle` (Paper, criterion 2).
+    """Passages of a ball through the crossing angle on either side (Paper, criterion 2).
 
-    Angles count modulo 2 pi, so a rotating pendulum keeps counting; with ``unwrapped=True`` only
-    the two angles themselves count. Turning points within a step are located on its quintic. A
-    passage and its return can both be missed if their depth is below the error of a step.
+    The positions are ``+-crossing_angle``. Angles count modulo 2 pi, so a rotating pendulum keeps
+    counting; with ``unwrapped=True`` only the two angles themselves count. Turning points within a
+    step are located on its quintic. A passage and its return can both be missed if their depth is
+    below the error of a step.
     """
 
     variables: ClassVar[Any] = {"crossings": QUANTITIES["crossings"]}

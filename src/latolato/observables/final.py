@@ -102,10 +102,10 @@ def _mark(acc: Any, i: int, n: int, number: int, t: float, angle: float, velocit
 @observables.register("poincare_section")
 @dataclass(frozen=True, kw_only=True)
 class PoincareSection(Observable):
-    """Angle and angular velocity at the end of each of the last `periods` drive periods.
+    """Angle and angular velocity at the end of each of the last drive periods.
 
-    The instants are whole multiples of the drive period, the last one not later than the duration;
-    a step ends at each. NaN if the run is shorter than that many periods.
+    The instants, `periods` in number, are whole multiples of the drive period, the last one not
+    later than the duration; a step ends at each. NaN if the run is shorter than that many periods.
     """
 
     variables: ClassVar[Any] = {

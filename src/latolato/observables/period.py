@@ -318,9 +318,10 @@ class ResponsePeriod(_Period):
 @observables.register("response_samples")
 @dataclass(frozen=True, kw_only=True)
 class ResponseSamples(_Period):
-    """The results of `ResponsePeriod`, with the samples that they come from.
+    """The response period and what goes with it, with the samples that they come from.
 
-    The samples are those of `PoincareSection`: the ends of ``3 longest`` drive periods.
+    The results are those of `ResponsePeriod`, the samples those of `PoincareSection`: the ends of
+    ``3 longest`` drive periods.
     """
 
     variables: ClassVar[Any] = {**_VARIABLES, **PoincareSection.variables}

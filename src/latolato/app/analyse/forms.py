@@ -25,7 +25,7 @@ _RATIOS = (1.5, 3.0)
 _WIDER = (1.4, 3.2)
 # Entries of a scenario's run that an analysis is asked with here: runs to look at are too short.
 OWN_RUN = ("duration",)
-# Units of the results in a text: pages show them in others, beside the numbers.
+# Units in a text: pages show numbers in others, which stand beside them.
 _UNITS = re.compile(r" \((?:m|s|1/s|rad|rad/s|rad/s or rad)\)")
 # SI units in a text: an interval, which fields keep by themselves, or what a number is in.
 _SI = re.compile(r", in (?:[([][^])]*[])]|the parameter's SI unit)")
@@ -47,7 +47,7 @@ def forms() -> dict[str, Any]:
         results[name] = {
             "title": label_of(name),
             "summary": pretty(_UNITS.sub("", summary_of(function))),
-            "notes": pretty(" ".join(map(plain_text, notes))),
+            "notes": pretty(_UNITS.sub("", " ".join(map(plain_text, notes)))),
             "reading": getattr(picture, "READING", ""),
             "first": list(first_of(name)),
             "options": {o.name: _option(o) for o in own.values()},
@@ -88,7 +88,7 @@ def _option(option: Parameter) -> dict[str, Any]:
         default = option.choices[0]  # a page shows one of them
     if isinstance(default, (tuple, list)):
         default = ", ".join(v if isinstance(v, str) else f"{v:g}" for v in default)
-    description = _SI.sub("", option.description)
+    description = _UNITS.sub("", _SI.sub("", option.description))
     shown = {
         "label": label_of(option.name, option.unit),
         "symbol": "",

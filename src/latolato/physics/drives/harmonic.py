@@ -28,7 +28,7 @@ def write_cosine(out: Any, drive: Any) -> int:
 @drives.register("fixed_pivot")
 @dataclass(frozen=True, kw_only=True)
 class FixedPivot(Drive):
-    """A pivot at rest; what ``drive=None`` means."""
+    """A pivot at rest, as without a drive."""
 
     moves: ClassVar[bool] = False
     is_sinusoidal: ClassVar[bool] = True
