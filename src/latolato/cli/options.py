@@ -95,7 +95,8 @@ class StrictCommand(TyperCommand):
         except InputError as error:
             error.name_of = self.name_of
             name, *rest = re.split(r"\b(?=\W)", error.parameter or "", maxsplit=1)
-            if not error.where and ctx.params.get(name) is not None:
+            is_of_file = str(error.where).endswith(".toml")  # other files hold no options
+            if not is_of_file and ctx.params.get(name) is not None:
                 error.parameter = self.name_of(name) + "".join(rest)
             raise
 

@@ -227,7 +227,7 @@ def _followed(
             scene = free
     off = _check_distances(sample, geometry, route, scene.arm)
     left_out = max(OFF_CIRCLE * scene.look.radius, OFF_SHARE * scene.arm)
-    if len(off) and float(np.median(off)) > _OFTEN_OFF * left_out:
+    if is_disc and len(off) and float(np.median(off)) > _OFTEN_OFF * left_out:
         scene.unsure = float(np.sqrt(np.mean(off**2)))
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)

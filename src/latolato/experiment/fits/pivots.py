@@ -151,7 +151,7 @@ def _deviations(fit: Fit, drive: Drive, scale: float) -> dict[str, float]:
     table's scale is in it if the scale is that of the length, and no part of it otherwise.
     """
     share = fit.dataset.attrs["scale_share"]
-    part = share if fit.dataset.attrs["scale_source"] == "length" else 0.0
+    part = share if fit.dataset.attrs.get("scale_source") == "length" else 0.0
     sigmas: dict[str, float] = {}
     for name in _PARAMETERS:
         estimate = _OF_HEIGHT.get(name, name)

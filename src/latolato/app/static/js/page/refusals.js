@@ -167,7 +167,7 @@ function endsOf(limits, { name, values }) {
 
 /** @param {number} number a whole one is shown as it is, others rounded */
 function numberText(number) {
-  if (Number.isNaN(number)) return t("noNumber");
+  if (Number.isNaN(number)) return t("asNaN");
   if (!Number.isFinite(number)) return number > 0 ? "∞" : "−∞";
   return Number.isInteger(number) ? String(number) : short(number);
 }
