@@ -372,7 +372,8 @@ def test_the_picture_of_a_phone_cuts_no_text_off(page):
           const { fillText } = prototype;
           prototype.fillText = function (text, x, y) {
             const { width, height } = this.canvas;
-            texts.push([text, x + this.measureText(text).width, width, y, height]);
+            const share = { center: 0.5, right: 0, end: 0 }[this.textAlign] ?? 1;
+            texts.push([text, x + share * this.measureText(text).width, width, y, height]);
             fillText.call(this, text, x, y);
           };
           await window.latolato.views.map.picture();
