@@ -121,7 +121,7 @@ def texts_of_registry() -> Iterator[str]:
 
 
 def texts_of_analyses() -> Iterator[str]:
-    """Yield what Analyse says of its analyses and their options, and what diagrams vary."""
+    """Yield the texts of analyses and their options on pages, and of what diagrams vary."""
     for form in analyses().values():
         yield from (form[part] for part in ("title", "summary", "notes", "reading"))
         for option in form["options"].values():
@@ -410,3 +410,14 @@ def test_a_table_of_languages_is_made_of_the_files():
     assert languages.keys() == {"en", *(path.stem for path in FILES)}
     assert languages["en"] == {"name": "English", "beta": False}
     assert languages["id"] == {"name": "Bahasa Indonesia", "beta": True}
+
+
+@pytest.mark.parametrize("code", ["en", "id"])
+def test_no_text_of_a_language_stands_twice(code):
+    def checked(pairs):
+        names = [name for name, _ in pairs]
+        assert len(set(names)) == len(names), sorted({n for n in names if names.count(n) > 1})
+        return dict(pairs)
+
+    text = (STATIC / "languages" / f"{code}.json").read_text(encoding="utf-8")
+    json.loads(text, object_pairs_hook=checked)
