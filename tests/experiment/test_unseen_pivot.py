@@ -70,7 +70,7 @@ def test_noise_alone_makes_the_deviation_where_there_is_much():
     [
         (swing(arm=1e9, amplitude=2e-7), "too straight"),
         (swing(arm=12000.0, amplitude=0.012), "too straight"),
-        (swing(600.0, 0.3, drive=4.0), "move outside the picture, by 4.3 pixels at 1.6 Hz"),
+        (swing(600.0, 0.3, drive=4.0), "move outside the picture, by 4.0 pixels at 1.6 Hz"),
         (swing(600.0, 0.3, drive=8.0, noise=2.0), "move outside the picture, by "),
         # One motion of the pivot does not explain what a slack string leaves.
         (slack(), "not a circle"),

@@ -11,7 +11,8 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, joined
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
-from latolato.experiment.calibration.lens import undistorted
+from latolato.experiment.calibration.lens import distorted, undistorted
+from latolato.experiment.calibration.orbit import DrivenCircle, drive_of
 from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
 from latolato.experiment.rules import broken, place_text, said
@@ -48,6 +49,8 @@ _PLAINLY = 0.5
 _PATTERN, _UNEXPLAINED = 0.05, 0.1
 # Share of learning the scene in the work that follows the first reading.
 _LEARNED = 0.2
+# Doubt about a pivot's height by the distances of balls: of rods at 72 degrees half is believed.
+_TILTED = 0.1
 # By which factor the distances of two balls from one pivot differ whose arms are different.
 _OTHER_ARM = 1.15
 
@@ -231,10 +234,39 @@ def _followed(
         scene.unsure = float(np.sqrt(np.mean(off**2)))
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
+    if geometry.driven is not None:
+        _settle_drive(task, scene, seen, geometry.driven)
     if route.is_traced:
         _check_motion(seen, seen.clean_share(~sample.repeats))
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, route, seen, declared)
+
+
+def _settle_drive(task: Task, scene: ImageModel, seen: Positions, rough: DrivenCircle) -> None:
+    """Fit the motion of a pivot that the picture does not show again, now that balls are measured.
+
+    What its one harmonic leaves of the distances is taken as the pivot's height in that frame,
+    where rods are steep enough to tell. What is not known of both joins the deviations.
+    """
+    size, optics = (task.video.width, task.video.height), task.setup.optics
+    is_clean = seen.flags == "ok"
+    clean = undistorted(np.where(is_clean[..., None], seen.centres, np.nan), size, optics)
+    driven = drive_of(seen.times, clean, rough.pivots(seen.times).mean(axis=0)) or rough
+    pivots = driven.pivots(seen.times)
+    away = clean - pivots[:, None]
+    off = np.linalg.norm(away, axis=-1) - driven.arm
+    share = np.cos(np.arctan2(away[..., 0], away[..., 1]))
+    weight = np.nansum(share**2, axis=1) + _TILTED
+    pivots[:, 1] += np.nansum(off * share, axis=1) / weight
+    seen.pivots[:] = distorted(pivots, size, optics)
+    aside, along = driven.unsure(seen.times).T[..., None]
+    along = np.hypot(along, driven.residual * np.sqrt(_TILTED / weight)[:, None])
+    # Angles feel what is across the rod.
+    across = np.where(np.isnan(share), 1.0, np.sqrt(1.0 - share**2))
+    scene.unsure = np.hypot(aside, along * across)
+    place, pixels = place_text(pivots.mean(axis=0)), f"{driven.amplitude:.1f}"
+    values = {"place": place, "pixels": pixels, "rate": driven.frequency}
+    task.warnings.append(said("unseen_drive", **values))
 
 
 def _route(task: Task, sample: Sample) -> Route:

@@ -16,7 +16,7 @@ from latolato.experiment.calibration.tilt import tilt_of
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.opencv import import_cv2
 from latolato.experiment.sidecar import Setup
-from latolato.experiment.track_table import balls_of, has_own_pivots
+from latolato.experiment.track_table import OUTSIDE_SOURCES, balls_of, has_own_pivots
 from latolato.experiment.tracking.kernels.layers import colour_coefficients
 from latolato.experiment.video import Frame, Video
 from latolato.io.files import check_suffix
@@ -75,7 +75,7 @@ def place_of(table: xr.Dataset, name: str, size: tuple[int, int]) -> np.ndarray:
         flat = (np.outer(first, right) - np.outer(second, down)) / scale
         place = origin + tilt_of(attrs, name).seen(flat)
     source = {"pivot": "pivot_source", "pivot_2": "pivot_source_2"}.get(name)
-    if attrs.get(source, "picture") != "picture":
+    if attrs.get(source) in OUTSIDE_SOURCES:
         return place  # far out of the picture the lens's polynomial means nothing
     optics = Optics(
         lens_k1=float(attrs.get("lens_k1", 0.0)), lens_k2=float(attrs.get("lens_k2", 0.0))

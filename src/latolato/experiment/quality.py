@@ -10,7 +10,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.experiment.calibration.tilt import tilt_of
-from latolato.experiment.track_table import FLAGS, balls_of, has_own_pivots, table_of_ball
+from latolato.experiment.track_table import (
+    FLAGS,
+    OUTSIDE_SOURCES,
+    balls_of,
+    has_own_pivots,
+    table_of_ball,
+)
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,7 +54,7 @@ def unseen_pivot(attributes: Mapping[str, Any]) -> str | None:
     None for a pivot in the picture, and where there is none.
     """
     source = attributes.get("pivot_source", "picture")
-    if source == "picture":
+    if source not in OUTSIDE_SOURCES:
         return None
     known = "as declared" if source == "declared" else "from the arc"
     shared = "angles and scale" if attributes.get("scale_source") == "length" else "angles"

@@ -537,8 +537,8 @@ RULES = {
     "other_pivot": Rule(
         "what was followed is {low} to {high} pixels from the pivot at {place}, so it does not "
         "swing about it",
-        "point at the middle of the ball and at the pivot about which it swings, or declare the "
-        "pivot 'outside' if the picture does not show it",
+        "point at the middle of the ball and at the pivot about which it swings, mark a pivot that "
+        "moves so that the picture shows it, or declare one that is not in the picture 'outside'",
     ),
     "second_ball": Rule(
         "a second ball that looks the same meets this one at {time:.4g} s: from then on one may be "
@@ -803,6 +803,10 @@ RULES = {
     ),
     "outside_pivot_moves": Rule(
         "the pivot seems to move outside the picture, by {pixels} pixels at {rate:.2g} Hz"
+    ),
+    "unseen_drive": Rule(
+        "nothing in the picture shows how the pivot at {place} moves: the paths of the balls tell "
+        "that it does, up and down by {pixels} pixels at {rate:.3g} Hz"
     ),
     "no_circle": Rule(
         "the path is not a circle about a pivot at rest: places are typically {pixels} pixels off "

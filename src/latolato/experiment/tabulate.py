@@ -137,7 +137,7 @@ def _measured(task: Task, track: Track, scale: Scale | None) -> dict[str, Any]:
         "gravity_source": gravity.source,
         "angle_offset_sigma": measured.angle_offset_sigma,
         "exposure": look.exposure if task.setup.shape == "disc" else None,
-        "pivot_source": hinge.source,
+        "pivot_source": "paths" if track.scene.pivot.motion is not None else hinge.source,
         "angle_scale_sigma": None if hinge.is_seen else hinge.scale_sigma,
         "pivot_offset_x": float(hinge.offset[0]) if hinge.is_seen else None,
         "pivot_offset_y": float(hinge.offset[1]) if hinge.is_seen else None,

@@ -125,8 +125,9 @@ def track(
         ``geometry`` is ``metric``; ``angles`` without a scale; ``unknown`` where no pivot is in
         the picture and the arc does not show one at rest: angles are then NaN, flags are about the
         ball's image alone, and ``period`` and ``period_sigma`` [s] come from its path.
-        ``pivot_source`` is ``picture``, ``declared`` (out of the picture) or ``arc``; with the last
-        two all angles share the relative error ``angle_scale_sigma``, which is in no
+        ``pivot_source`` is ``picture``, ``paths`` (nothing in the picture shows how the pivot
+        moves, but the paths of the balls do), ``declared`` (out of the picture) or ``arc``; with
+        the last two all angles share the relative error ``angle_scale_sigma``, which is in no
         ``angle_sigma_1``. The second ball's own pivot has columns ``pivot_2_x`` and so on, and
         attributes that end in ``_2``. ``warnings`` repeats the warnings.
 

@@ -27,6 +27,8 @@ FLAGS = ("ok", "collision", "occluded", "manual", "predicted", "lost")
 MEASURED = FLAGS[:4]
 # Of these, what is known as well as its standard deviation says.
 CLEAN = ("ok", "manual")
+# Where a pivot may be known from that the picture does not contain.
+OUTSIDE_SOURCES = ("declared", "arc")
 SUFFIXES = (".csv", ".parquet", ".nc")
 # The columns in their order; those of the second ball come with two balls only.
 COLUMNS = (

@@ -12,6 +12,7 @@ from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 from latolato.experiment.calibration.deviations import scatter_of
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
+from latolato.experiment.calibration.orbit import drive_of, most_unexplained, unexplained
 from latolato.experiment.rules import place_text, said
 
 # Fewest places that make a circle, and the distance from which one is a mistake of the tracker
@@ -26,13 +27,10 @@ _DECLARED, _AGREES = 0.02, 4.0
 _STRAIGHT = 1.0 / 3.0
 # Largest residual of a circle: pixels, share of the arm.
 _ROUND, _ROUND_SHARE = 3.0, 0.02
-# Residual from which a pivot may move [pixels, arm], by how much that must lessen it, and how sure
-# its amplitude must be [standard deviations].
-_STILL, _STILL_SHARE, _BETTER, _SURE = 0.5, 0.002, 0.5, 5.0
+# By how much a motion of the pivot must lessen what angles leave of the distances.
+_BETTER = 0.5
 # By which factor the scatter that a moving pivot leaves may exceed that from frame to frame.
 _NOISY = 1.5
-# Frequencies of a pivot's motion that are tried [Hz], how finely over the clip, and most places.
-_SLOWEST, _FASTEST, _FINENESS, _MOST = 0.3, 12.0, 8, 800
 
 
 @dataclass(frozen=True)
@@ -165,7 +163,7 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
         least = circle.arm / (1.0 + 2.0 * circle.scale_sigma)
         return said("straight_path", pixels=f"{least:.0f}")
     for ball in range(places.shape[1]):
-        doubt = _doubt_of_rest(times, places[:, ball] - circle.centre, circle)
+        doubt = _doubt_of_rest(times, places[:, ball], circle)
         if doubt is not None:
             return doubt
     if circle.residual > max(_ROUND, _ROUND_SHARE * circle.arm):
@@ -173,53 +171,27 @@ def doubt_about(times: np.ndarray, places: np.ndarray, circle: Circle | None) ->
     return None
 
 
-def _doubt_of_rest(times: np.ndarray, away: np.ndarray, circle: Circle) -> Sentence | None:
-    """Return how distances from a circle depend on time, None if its pivot rests.
+def _doubt_of_rest(times: np.ndarray, places: np.ndarray, circle: Circle) -> Sentence | None:
+    """Return how distances of places (frame, 2) from a circle's centre depend on time.
 
-    `away` (frame, 2) is where one ball is from the centre of its circle.
+    None if its pivot rests.
     """
-    arm = circle.arm
-    ok = np.flatnonzero(np.isfinite(away).all(axis=1))
+    ok = np.flatnonzero(np.isfinite(places).all(axis=1))
     if len(ok) < _FEWEST:
         return None
-    times, away = times[ok] - times[ok[0]], away[ok]
+    times, away = times[ok], places[ok] - circle.centre
     angle = np.unwrap(np.arctan2(away[:, 0], away[:, 1]))
-    off = np.hypot(away[:, 0], away[:, 1]) - arm
-    turn = (angle - angle.mean()) / max(float(np.ptp(angle)), 1e-9)
-    # A lens bends the path; a ball that swings on an ellipse is off to one side on its way there.
-    plain = np.column_stack([turn**k for k in range(5)] + [np.gradient(turn, times)])
-    rest = off - plain @ np.linalg.lstsq(plain, off, rcond=None)[0]
+    rest = unexplained(away, np.gradient(angle, times))
     scatter = 1.4826 * float(np.median(np.abs(rest)))
-    still = max(_STILL, _STILL_SHARE * arm)
-    noise = scatter_of(times, off)
+    still = most_unexplained(circle.arm)
     if scatter <= still:
         return None
-    # Uneven steps, or frequencies beyond that of the steps would look like lower ones.
-    chosen = np.flatnonzero(np.abs(rest) <= _MISTAKEN * scatter)
-    chosen = chosen[(0.6180339887498949 * np.arange(len(chosen))) % 1.0 < _MOST / len(chosen)]
-    times, off, plain = times[chosen], off[chosen], plain[chosen]
-    sine, cosine = np.sin(angle[chosen]), np.cos(angle[chosen])
-    fastest = min(_FASTEST, 0.5 / float(np.median(np.diff(times))))
-    count = math.ceil(_FINENESS * float(times[-1]) * max(fastest - _SLOWEST, 0.0)) + 2
-    best: tuple[float, float, np.ndarray, np.ndarray] | None = None
-    for frequency in np.linspace(_SLOWEST, fastest, count):
-        phase = math.tau * frequency * times
-        waves = np.column_stack(
-            [plain, cosine * np.cos(phase), cosine * np.sin(phase), sine * np.cos(phase),
-             sine * np.sin(phase)]
-        )  # fmt: skip
-        solution = np.linalg.lstsq(waves, off, rcond=None)[0]
-        left = float(np.sum((off - waves @ solution) ** 2))
-        if best is None or left < best[0]:
-            best = left, float(frequency), solution, waves
-    assert best is not None
-    left, frequency, solution, waves = best
-    spread = np.linalg.pinv(waves.T @ waves) * left / max(len(off) - waves.shape[1], 1)
-    amplitude = float(np.linalg.norm(solution[-4:]))
-    sigma = math.sqrt(float(np.trace(spread[-4:, -4:])))
-    after = 1.4826 * float(np.median(np.abs(off - waves @ solution)))
-    if amplitude < _SURE * sigma or after > _BETTER * scatter:
+    noise = scatter_of(times, np.hypot(*away.T))
+    is_usual = (np.abs(rest) <= _MISTAKEN * scatter)[:, None]
+    driven = drive_of(times, np.where(is_usual, places[ok], np.nan)[:, None], circle.centre)
+    if driven is None or driven.residual > _BETTER * scatter:
         return None
-    if after > np.fmax(still, _NOISY * noise):
+    if driven.residual > np.fmax(still, _NOISY * noise):
         return said("no_circle", pixels=f"{circle.residual:.1f}")
-    return said("outside_pivot_moves", pixels=f"{amplitude:.1f}", rate=frequency)
+    pixels = f"{driven.amplitude:.1f}"
+    return said("outside_pivot_moves", pixels=pixels, rate=driven.frequency)

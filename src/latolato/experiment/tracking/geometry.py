@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.calibration.lens import Optics, undistorted
+from latolato.experiment.calibration.hinge import CLICK
+from latolato.experiment.calibration.lens import Optics, distorted, undistorted
+from latolato.experiment.calibration.orbit import (
+    DrivenCircle,
+    drive_of,
+    most_unexplained,
+    unexplained,
+)
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
 from latolato.experiment.tracking.pivot import PivotTracker, Strings, learn_pivot
 from latolato.experiment.tracking.route import Route
@@ -17,6 +25,11 @@ _FEWEST, _CLEARER = 12, 0.7
 # Way of a pivot to the side that makes distances vary by as much as its product with the sine of a
 # ball's angle varies, how much distances vary by accident [pixels], and the least of these sines.
 _SWAYS, _UNSURE, _LEAST_SINE = 5.0, 0.1, 1e-3
+# Share of what angles leave of the distances from a pivot in the picture that one harmonic may
+# leave for the picture not to show the pivot; how far off where it was pointed at that may be
+# [standard deviations], and the error of pointing, as a share of the arm. Share of the most that
+# angles may leave up to which the picture is believed.
+_BETTER, _AGREES, _POINTED, _CLOSE = 0.5, 4.0, 0.02, 0.5
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -33,11 +46,14 @@ class Geometry:
         How far it is from where it is first, in the frames of the sample [pixels].
     tilt : Tilt
         How obliquely the camera looks at the swing.
+    driven : DrivenCircle or None
+        How it moves by the paths of the balls, if the picture does not show it.
     """
 
     tracker: PivotTracker
     shifts: np.ndarray
     tilt: Tilt = field(default_factory=Tilt)
+    driven: DrivenCircle | None = None
 
     @classmethod
     def at_rest(cls, place: np.ndarray, count: int) -> Geometry:
@@ -84,8 +100,22 @@ def fit_geometry(
     -----
     Balls keep their distance from the pivot: that tells whether it rests and what moves is
     something else. A pivot that sways makes them vary by the product of its way and the sine of a
-    ball's angle, which limits how far to the side it may move.
+    ball's angle, which limits how far to the side it may move. Where nothing shows the pivot, one
+    harmonic of it keeps the distances, and the picture does not.
     """
+    shown = _shown_geometry(sample, pivot, balls, route, size, optics)
+    return _unseen_drive(shown, sample, pivot, route, size, optics) or shown
+
+
+def _shown_geometry(
+    sample: Sample,
+    pivot: np.ndarray,
+    balls: list[np.ndarray],
+    route: Route,
+    size: tuple[int, int],
+    optics: Optics,
+) -> Geometry:
+    """Return the geometry as the picture shows it."""
     frames = sample.from_click
     in_sample, shown_in = route.seen_in(frames)
     resting = Geometry.at_rest(pivot, len(frames))
@@ -107,6 +137,43 @@ def fit_geometry(
     if len(in_sample) >= _FEWEST and varies > _UNSURE and about_click < _CLEARER * varies:
         return resting
     return moving
+
+
+def _unseen_drive(
+    shown: Geometry,
+    sample: Sample,
+    pivot: np.ndarray,
+    route: Route,
+    size: tuple[int, int],
+    optics: Optics,
+) -> Geometry | None:
+    """Return the geometry of a pivot that moves as the balls tell, None if the picture shows it."""
+    frames = sample.from_click
+    in_sample, shown_in = route.seen_in(frames)
+    if len(in_sample) < _FEWEST:
+        return None
+    numbers = [frame.number for frame in frames if 0 <= frame.number < len(route.times)]
+    seen, at = (undistorted(each, size, optics) for each in (in_sample, shown.pivots[shown_in]))
+    away = shown.tilt.flat(seen - at)
+    paces = np.nan_to_num(route.velocities[0][numbers][route.is_seen[numbers]])
+    speeds = (paces[:, 0] * away[:, 1] - paces[:, 1] * away[:, 0]) / np.sum(away**2, axis=1)
+    left = 1.4826 * float(np.median(np.abs(unexplained(away, speeds))))
+    if left <= _CLOSE * most_unexplained(float(np.median(np.hypot(*away.T)))):
+        return None
+    click = undistorted(np.asarray(pivot, float), size, optics)
+    places = undistorted(route.places, size, optics)
+    driven = drive_of(route.times, np.where(route.is_seen[..., None], places, np.nan), click)
+    if driven is None or driven.residual > _BETTER * left:
+        return None
+    last = len(route.times)
+    times = np.array([route.times[f.number] if 0 <= f.number < last else f.time for f in frames])
+    apart = float(np.hypot(*(driven.pivots(times[:1])[0] - click)))
+    if apart > _AGREES * math.hypot(CLICK, _POINTED * driven.arm):
+        return None
+    tracker = PivotTracker.unseen(
+        np.asarray(pivot, float), lambda times: distorted(driven.pivots(times), size, optics)
+    )
+    return Geometry(tracker, tracker.place_at(times) - tracker.origin, driven=driven)
 
 
 def _oval(

@@ -90,8 +90,9 @@ class ImageModel:
         How obliquely the camera looks at the swing.
     lean : float
         By which angle what is followed is ahead of the middle of what moves [rad].
-    unsure : float
-        By how much the pivot may be elsewhere, as balls are often off their circle [pixels].
+    unsure : float or numpy.ndarray
+        By how much the pivot may be elsewhere, across the rods (frame, ball) or at all, as it moves
+        unseen or balls are often off their circle [pixels].
     """
 
     pivot: PivotTracker
@@ -101,7 +102,7 @@ class ImageModel:
     explained: float = 1.0
     tilt: Tilt = field(default_factory=Tilt)
     lean: float = 0.0
-    unsure: float = 0.0
+    unsure: float | np.ndarray = 0.0
 
     def reach(self, angles: np.ndarray) -> np.ndarray:
         """Return the distance from pivot to ball at angles in the picture [pixels]."""

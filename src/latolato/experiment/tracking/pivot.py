@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -122,6 +123,8 @@ class PivotTracker:
         How many times larger than usual the pivot's picture is, from 1 on.
     strings : Strings
         What hangs from the pivot, and does not belong to it.
+    motion : callable or None
+        Where the pivot is at times (time,) [pixels], if the balls tell and the picture does not.
     """
 
     origin: np.ndarray
@@ -133,12 +136,18 @@ class PivotTracker:
     is_still: bool = False
     enlarged: float = 1.0
     strings: Strings = _NO_STRINGS
+    motion: Callable[[np.ndarray], np.ndarray] | None = None
 
     @classmethod
-    def unseen(cls, place: np.ndarray) -> PivotTracker:
-        """Return one that follows nothing: of a pivot at rest that the picture does not show."""
+    def unseen(
+        cls, place: np.ndarray, motion: Callable[[np.ndarray], np.ndarray] | None = None
+    ) -> PivotTracker:
+        """Return one that follows nothing: of a pivot that the picture does not show.
+
+        It rests, or moves as it is known to.
+        """
         nothing = np.zeros((1, 1))
-        return cls(place, nothing, nothing, np.zeros((2, 2)), is_still=True)
+        return cls(place, nothing, nothing, np.zeros((2, 2)), is_still=True, motion=motion)
 
     @property
     def half(self) -> int:
@@ -149,6 +158,12 @@ class PivotTracker:
         """Positions of the pivot (column, row) for shifts (..., 2) [pixels]."""
         at: np.ndarray = self.origin + shift - self.anchor
         return at
+
+    def place_at(self, times: np.ndarray) -> np.ndarray:
+        """Positions of a pivot that the picture does not show, shape (time, 2) [pixels]."""
+        if self.motion is None:
+            return np.repeat(self.origin[None], len(times), axis=0)
+        return self.motion(times)
 
     def locate(
         self,
@@ -510,6 +525,8 @@ class PivotFollower:
     def place_in(self, frame: Frame, is_stale: bool) -> np.ndarray:
         """Return the pivot's place in a frame, or where it should be if that shows an older one."""
         tracker = self.tracker
+        if tracker.motion is not None:
+            return np.asarray(tracker.place_at(np.array([frame.time]))[0])
         guess, velocity, room = None, np.zeros(2), np.zeros(2)
         if len(self.shifts) >= 3:
             # A drive of w turns w dt of its phase in a frame: that share of its bend is unknown.

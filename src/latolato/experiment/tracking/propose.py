@@ -11,6 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
+from latolato.experiment.calibration.orbit import better, circle, driven_circle
 from latolato.experiment.rules import broken, said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.detect import shrunk
@@ -21,7 +22,6 @@ from latolato.experiment.tracking.link import (
     link_clicked,
     link_movers,
 )
-from latolato.experiment.tracking.orbit import better, circle, driven_circle
 from latolato.experiment.tracking.pivot import Strings, learn_pivot
 from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.strings import SHOWS, Lines
@@ -209,7 +209,8 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
         return 0.0, math.inf
     some = _some(track.places)
     if pivot is None:
-        orbit = better(*_circles([track.places[some]], times[some]))
+        interval = float(np.median(np.diff(times)))
+        orbit = better(*_circles([track.places[some]], times[some], interval))
         off = math.inf if orbit is None else orbit.residual / (_LOOSE + _LOOSE_SHARE * travel)
     else:
         away = np.hypot(*(track.places[some] - pivot).T)
@@ -245,7 +246,7 @@ def _some(places: np.ndarray) -> np.ndarray:
 
 
 def _circles(
-    tracks: list[np.ndarray], times: np.ndarray
+    tracks: list[np.ndarray], times: np.ndarray, interval: float
 ) -> tuple[CircleFit | None, CircleFit | None]:
     """Return the circle of tracks about one pivot at rest, and about a driven one."""
     groups = [
@@ -255,7 +256,7 @@ def _circles(
     still = circle(groups, np.zeros((len(groups), 2)))
     if still is not None and _is_round(still):
         return still, None
-    return still, driven_circle(groups, times)
+    return still, driven_circle(groups, times, interval)
 
 
 def _rounded(place: np.ndarray) -> Place:
@@ -328,7 +329,8 @@ def _common_circle(
     some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
     # A driven pivot is where it is in the first of the frames.
     some = np.append(min(sample.click, len(times) - 1), some)
-    first = better(*_circles([track[some] for track in tracks], times[some]))
+    own = [track[some] for track in tracks]
+    first = better(*_circles(own, times[some], sample.interval))
     if first is None or _is_round(first):
         return first
     frames = sample.from_click
