@@ -208,6 +208,46 @@ def test_response_curves_of_the_same_system_agree(responses):
     assert result.peak_computed_place[1] < result.peak_computed_place[0]
 
 
+@pytest.mark.parametrize("error", [-0.1, 0.1])
+@pytest.mark.parametrize("count", [11, 41])
+def test_an_error_of_the_scale_that_trials_share_does_not_shrink_with_their_number(error, count):
+    ratios, amplitude = np.linspace(1.9, 2.9, count), 0.03
+    start = {"duration": 30.0, "transient": 20.0, "initial_offset": 0.15}
+    run = ll.sweep(
+        PAIR,
+        axes={"drive_amplitude": [amplitude], "frequency_ratio": ratios},
+        observables=PAIR_OBSERVABLES,
+        **start,
+    )
+    late = run.largest_angle_after_transient.values.ravel()
+    columns = {
+        "drive_amplitude": np.full(count, amplitude * (1.0 + error)),
+        "drive_amplitude_sigma": np.full(count, amplitude * abs(error)),
+        "frequency_ratio": ratios,
+        "largest_angle": run.largest_angle.values.ravel(),
+        "largest_angle_after_transient": late,
+        "largest_angle_after_transient_sigma": np.full(count, 0.01),
+        "length": np.full(count, PAIR.length),
+    }
+    result = ll.compare(trial_table(columns), PAIR, **start)
+    # What was measured has the true place, what is computed that of the wrong amplitude.
+    away = float(result.peak_computed_place[0] - result.peak_measured_place[0])
+    # An error of one deviation, and half a cell of the measured curve where it has few trials.
+    sigma = float(result.peak_computed_sigma[0])
+    assert abs(away) <= 2.0 * sigma + 0.5 * (ratios[1] - ratios[0])
+    assert "agree within 3" in result.attrs["verdict"]
+
+
+def test_an_error_of_the_scale_moves_all_trials_on_a_map_alike(grid):
+    few, many = (trials_on(grid).isel(trial=np.tile(np.arange(40), n)) for n in (1, 9))
+    one, other = (
+        float(ll.compare(trials, grid, draws=40).agreement_sigma_parameters)
+        for trials in (few, many)
+    )
+    assert other == pytest.approx(one, rel=0.5)
+    assert one > 0.0
+
+
 def test_every_comparison_is_drawn_from_a_file(table, grid, responses, tmp_path):
     result = {
         "motion": ll.compare(table, SINGLE, draws=2),

@@ -75,9 +75,10 @@ def compare_map(
 
     Notes
     -----
-    In a draw each trial gets an amplitude, a frequency and angles within its own deviations, and
-    all trials share one value of each uncertain parameter. A wrong length makes the picture's
-    scale, and so all amplitudes, wrong by the same share. The trials are run at these
+    In a draw each trial gets a frequency and angles within its own deviations, and all trials share
+    one value of each uncertain parameter, and one error of their amplitudes in units of their
+    deviations, which are those of the picture's scale. A wrong length makes that scale, and so all
+    amplitudes, wrong by the same share. The trials are run at these
     places with everything else as the map's plan says, and trials are taken at random with
     replacement: the interval holds both what the parameters leave open and chance
     (`agreement_sigma_parameters` and `agreement_sigma_binomial` tell them apart).
@@ -204,12 +205,13 @@ def _drawn_agreement(
     """
     n = trials.sizes["trial"]
 
-    def about(name: str) -> Floats:
+    def about(name: str, errors: int = n) -> Floats:
         sigma = np.nan_to_num(trials[f"{name}_sigma"].values)
-        values: Floats = trials[name].values + sigma * random.standard_normal((count, n))
+        values: Floats = trials[name].values + sigma * random.standard_normal((count, errors))
         return values
 
-    amplitude, frequency = about("drive_amplitude"), about("drive_frequency")
+    # Trials share the error of the picture's scale, which makes their amplitudes uncertain.
+    amplitude, frequency = about("drive_amplitude", 1), about("drive_frequency")
     varied = drawn(plan.system, widths, count, random)
     if "length" in varied:
         amplitude = amplitude * (varied["length"] / plan.system.balls[0].length)[:, None]

@@ -116,7 +116,8 @@ def compare_response(
     members = [np.flatnonzero(trials["set"].values == name) for name in names]
     amplitudes = np.array([float(np.mean(trials["drive_amplitude"].values[m])) for m in members])
     errors = np.nan_to_num(trials["drive_amplitude_sigma"].values)
-    amplitude_sigmas = np.array([float(np.mean(errors[m])) / math.sqrt(len(m)) for m in members])
+    # What makes amplitudes uncertain is the picture's scale: trials of one set-up share its error.
+    amplitude_sigmas = np.array([float(np.mean(errors[m])) for m in members])
     margin = 0.1 * float(np.ptp(ratio)) or 0.1
     ratios = np.linspace(
         max(float(ratio.min()) - margin, 0.05), float(ratio.max()) + margin, points
@@ -131,8 +132,8 @@ def compare_response(
         **{name: value for name, value in start.items() if value is not None},  # type: ignore[arg-type]
     )
     varied = drawn(system, widths, count, random)
-    off = np.vstack([np.zeros(len(names)), random.standard_normal((count - 1, len(names)))])
-    moved = amplitudes + amplitude_sigmas * off
+    off = np.append(0.0, random.standard_normal(count - 1))
+    moved = amplitudes + amplitude_sigmas * off[:, None]
     if "length" in varied:  # which is the picture's scale
         moved = moved * (varied["length"] / system.balls[0].length)[:, None]
     curves, at_trials = _curves(plan, moved, varied, ratios, trials)
