@@ -488,19 +488,39 @@ def test_a_run_is_differentiated_by_each_parameter_that_is_named():
 def test_what_a_file_gives_is_called_as_there_and_what_is_typed_by_its_option(capsys, tmp_path):
     file = tmp_path / "swing.toml"
     file.write_text("[system]\nkind = 'pendulum'\nlength = -1\nmass = 0.8\n")
-    for arguments, called in ([], "length"), (["--length", "-2"], "--length"):
+    for arguments, called in ([], "swing.toml: length"), (["--length", "-2"], "--length"):
         assert main(["simulate", str(file), "--duration", "1", *arguments]) == 2
         assert capsys.readouterr().err.startswith(f"latolato: {called} must lie in (0, inf) m")
 
 
 def test_what_a_file_gives_is_called_as_there_beside_the_same_option():
-    def run(length: float = 1.0) -> None:
-        with reading("swing.toml"):
+    def run(length: float = 1.0, *, is_of_file: bool = True) -> None:
+        with reading("swing", gives_values=is_of_file):
             raise ll.InputError("must be positive", parameter="length", value=-1)
 
     command = command_from(run, "try", "Try.")
-    with pytest.raises(ll.InputError, match=r"^swing\.toml: length must be positive"):
+    with pytest.raises(ll.InputError, match=r"^swing: length must be positive"):
         command.main(["--length", "2"], standalone_mode=False)
+    with pytest.raises(ll.InputError, match=r"^swing: --length must be positive"):
+        command.main(["--length", "2", "--no-is-of-file"], standalone_mode=False)
+
+
+def test_what_is_wrong_in_a_scenario_is_called_as_there_and_what_is_typed_by_its_option(capsys):
+    pair = ["simulate", "--system", "ballpair", "--duration", "1"]
+    assert "no --length of its own: give --right-length and --left-length" in refused(
+        capsys, *pair, "--length", "0.2"
+    )
+    assert "Ball needs --right-length [m]" in refused(capsys, *pair)
+    path = Path("pair.toml")
+    path.write_text("[system]\nkind = 'ballpair'\nlength = 0.2\n")
+    told = "pair.toml: BallPair has no 'length' of its own: give right.length and left.length"
+    for command in ("simulate", "sweep", "analyse floquet"):
+        assert told in refused(capsys, *command.split(), str(path), "--damping", "0")
+    ball = "{length = 0.2, mass = 1, radius = 0.01}"
+    path.write_text(f"[system]\nkind = 'ballpair'\nright = {ball}\nleft.length = 0.2\n")
+    assert "pair.toml: Ball needs 'left.mass' [kg]" in refused(capsys, "simulate", str(path))
+    given = ["--left-mass", "-1"]
+    assert refused(capsys, "simulate", str(path), *given).startswith("--left-mass must lie in")
 
 
 @pytest.mark.parametrize(

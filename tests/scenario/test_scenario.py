@@ -323,7 +323,7 @@ def test_a_broken_file_is_refused_with_its_name_and_the_way_out(tmp_path, text, 
         ({"system": {**PENDULUM, "mass": [1]}}, "mass must be a number in kg, got [1]"),
         (
             {"system": {"kind": "ballpair", "length": 1}},
-            "BallPair has no 'length' of its own: give right.length and left.length",
+            "BallPair has no 'length' of its own: give right_length and left_length",
         ),
         ({"drive": {"drive_amplitude": 1}}, "[drive] needs a kind: "),
         ({"drive": {"kind": "harmonics"}}, "unknown drive 'harmonics': did you mean 'harmonic'?"),

@@ -18,7 +18,7 @@ from latolato.core.registry import suggest
 from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import choose_step
 from latolato.scenario.options import changes, flat_options, law_options
-from latolato.scenario.scenario import Scenario, changed_tables, shipped
+from latolato.scenario.scenario import Scenario, changed_scenario, changed_tables, shipped
 from latolato.simulation.start import checked_contact, checked_start
 
 # Steps of one run; a second or two of work.
@@ -66,8 +66,7 @@ class RunRequest:
                 hint = suggest(self.scenario, list(shipped()))
                 raise broken_rule("unknown_scenario", {"name": self.scenario, "hint": hint})
             path = shipped()[self.scenario]
-        tables, folder = changed_tables(path, changes(given))
-        return Scenario.from_dict(tables, folder=folder)
+        return changed_scenario(path, changed_tables(path, changes(given)))
 
 
 def option_value(option: Parameter, value: Any) -> Any:

@@ -34,7 +34,7 @@ def laws_of(
     path = find(scenario) if scenario is not None else None
     if path is None and "kind" not in changed.get("system", {}):
         raise InputError(missing)
-    tables, _ = changed_tables(path, changed)
+    tables = changed_tables(path, changed)
     system: System = law_from(tables["system"], systems, "system", Path())
     drive: Drive | str | None = "measured" if is_measured else None
     if has_drive:

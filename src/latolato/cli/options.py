@@ -93,11 +93,11 @@ class StrictCommand(TyperCommand):
         try:
             return super().invoke(ctx)
         except InputError as error:
-            error.name_of = self.name_of
-            name, *rest = re.split(r"\b(?=\W)", error.parameter or "", maxsplit=1)
-            is_of_file = str(error.where).endswith(".toml")  # other files hold no options
-            if not is_of_file and ctx.params.get(name) is not None:
-                error.parameter = self.name_of(name) + "".join(rest)
+            if not error.is_of_file:
+                error.name_of = self.name_of
+                name, *rest = re.split(r"\b(?=\W)", error.parameter or "", maxsplit=1)
+                if ctx.params.get(name) is not None:
+                    error.parameter = self.name_of(name) + "".join(rest)
             raise
 
     def name_of(self, parameter: str, value: str = "") -> str:

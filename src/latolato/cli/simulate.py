@@ -16,7 +16,7 @@ from latolato.cli.output import Animation, Targets, elapsed_since, print_summary
 from latolato.core.errors import InputError
 from latolato.io.progress import bar
 from latolato.scenario.options import SENSITIVITY, changes
-from latolato.scenario.scenario import Scenario, changed_tables, find
+from latolato.scenario.scenario import Scenario, changed_scenario, changed_tables, find
 
 
 @with_law_options(further=[SENSITIVITY])
@@ -74,8 +74,7 @@ def scenario_of(source: str | None, rerun: Path | None, values: Mapping[str, Any
         raise InputError("give either a scenario or --from, not both")
     changed = changes(values)
     path = rerun or (find(source) if source is not None else None)
-    tables, folder = changed_tables(path, changed)
-    return Scenario.from_dict(tables, folder=folder)
+    return changed_scenario(path, changed_tables(path, changed))
 
 
 def lines_of(summary: Mapping[str, Any]) -> dict[str, str]:

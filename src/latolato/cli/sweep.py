@@ -24,7 +24,7 @@ from latolato.cli.options import (
 from latolato.cli.output import Targets, elapsed_since, in_columns, print_summary
 from latolato.core.errors import InputError
 from latolato.scenario.options import changes
-from latolato.scenario.scenario import Scenario, changed_tables, find, read_tables
+from latolato.scenario.scenario import changed_scenario, changed_tables, find, read_tables
 from latolato.scenario.variation import merged_axes, parse_axes, parse_observable, tables_of_plan
 from latolato.simulation.parameters import SWEEP_PARAMETERS
 
@@ -243,14 +243,14 @@ def plan_of(
     if "transient" in table or "transient_periods" in table:
         # One given alone takes the place of both, which add up.
         sweep = {"transient": 0.0, "transient_periods": 0.0} | sweep
-    plain, folder = changed_tables(path, changed | ({"sweep": sweep} if sweep else {}), tables)
+    plain = changed_tables(path, changed | ({"sweep": sweep} if sweep else {}), tables)
     old = plain.get("sweep", {})
     if isinstance(old, Mapping) and (new or old.get("axes")):
         known_axes = old.get("axes", {})
         if isinstance(known_axes, Mapping):
             plain["sweep"] = {**old, "axes": merged_axes(known_axes, new, changed)}
         _move(plain, changed)
-    return Scenario.from_dict(plain, folder=folder).plan()
+    return changed_scenario(path, plain).plan()
 
 
 def _move(tables: dict[str, Any], changed: Changes) -> None:

@@ -178,7 +178,9 @@ class InputError(ValueError):
     Attributes
     ----------
     where : str
-        The file that holds the input, "" if none does; begins the text.
+        The file that the input is about, "" if none is; begins the text.
+    is_of_file : bool
+        Whether that file gives the value, and not a call or a command.
     name_of : callable
         Returns what its reader calls parameters, see `called`; by default as Python does.
 
@@ -208,6 +210,7 @@ class InputError(ValueError):
         self.has_value: bool = value is not NOT_GIVEN
         self.way_out = way_out
         self.where = ""
+        self.is_of_file = False
         self.name_of: Naming = python_name
 
     def worded(self, name: str | None) -> str:
@@ -285,12 +288,16 @@ def is_quantity(value: Any) -> bool:
 
 
 @contextmanager
-def reading(path: str | Path) -> Iterator[None]:
-    """Name a file in errors that are raised meanwhile, unless they name another one."""
+def reading(path: str | Path, *, gives_values: bool = False) -> Iterator[None]:
+    """Name a file in errors that are raised meanwhile, unless they name another one.
+
+    `gives_values` is whether the values that may be refused are those of the file.
+    """
     try:
         yield
     except InputError as error:
         error.where = error.where or str(path)
+        error.is_of_file = error.is_of_file or gives_values
         raise
 
 

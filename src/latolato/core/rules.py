@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from functools import reduce
 from typing import Any, NamedTuple
 
-from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence, Word
+from latolato.core.errors import NOT_GIVEN, InputError, NamedRule, Sentence, Word, name_gap
 
 
 class Rule(NamedTuple):
@@ -78,6 +78,7 @@ RULES = {
         "belongs to {part} {owners}, not to {kind}", "use {name} or change the {part}"
     ),
     "either_of": Rule("{first} or {other}"),
+    "each_of": Rule("{first} and {other}"),
     "either": Rule("give either {name} or {parameter}, got both"),
     "rigid_rod": Rule(
         "must be 0 with suspension 'rod', as a rod never goes slack",
@@ -239,6 +240,18 @@ def either_of(names: Sequence[str]) -> str:
     """
     words: list[str] = [Word(name) for name in names]
     return reduce(lambda a, b: sentence("either_of", first=a, other=b), words)
+
+
+def each_of(parameters: Sequence[str]) -> str:
+    """Return what its reader calls parameters that are all needed.
+
+    Examples
+    --------
+    >>> print(each_of(["right_length", "left_length"]))
+    right_length and left_length
+    """
+    names: list[str] = [name_gap(parameter) for parameter in parameters]
+    return reduce(lambda a, b: sentence("each_of", first=a, other=b), names)
 
 
 def broken_rule(

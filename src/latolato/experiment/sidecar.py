@@ -199,7 +199,7 @@ def read_sidecar(path: str | Path, video: str | Path) -> Setup:
         If it cannot be read.
     """
     path = Path(path)
-    with reading(path):
+    with reading(path, gives_values=True):
         tables = _parsed(path)
         if tables["sha256"] != digest_of(video):
             raise InputError(

@@ -231,7 +231,7 @@ def read_table(path: str | Path) -> xr.Dataset:
 
     path = Path(path)
     suffix = check_readable(path, SUFFIXES, "the name of a track table")
-    with reading(path):
+    with reading(path, gives_values=True):
         if path.stat().st_size == 0:
             raise InputError("it is empty")
         if suffix == ".nc":

@@ -228,10 +228,10 @@ def read_trials(path: str | Path, *, decimal: str | None = None) -> xr.Dataset:
 
     path = Path(path)
     if path.suffix.lower() == ".nc":
-        with reading(path):
+        with reading(path, gives_values=True):
             return checked_trials(load(path))
     source = read_source(path, decimal=decimal)
-    with reading(path):
+    with reading(path, gives_values=True):
         section = source.section()
         header = dict(map(attribute_of, source.comments))
         chosen: dict[str, SourceColumn] = {}

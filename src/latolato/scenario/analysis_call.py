@@ -82,7 +82,7 @@ class AnalysisCall:
         """Return the scenario with the options put in, and what of ``[sweep]`` sets its run."""
         from latolato.physics.pendulum import systems
         from latolato.scenario.options import changes
-        from latolato.scenario.scenario import Scenario, changed_tables, find
+        from latolato.scenario.scenario import changed_scenario, changed_tables, find
 
         kept = {k: v for k, v in values.items() if k not in self.own or self.own[k].owner == "run"}
         changed = changes(kept)
@@ -92,14 +92,14 @@ class AnalysisCall:
                 "name what to analyse: a scenario (`latolato scenarios` lists them), a TOML file, "
                 f"the file of a run, or --system with one of {', '.join(systems)}"
             )
-        tables, folder = changed_tables(path, changed, tables)
+        tables = changed_tables(path, changed, tables)
         sweep = dict(tables.pop("sweep", {}))
         run = {k: v for k, v in tables.get("run", {}).items() if k not in ("samples", "frame")}
         tables["run"] = {k: sweep[k] for k in ("duration", "tolerance") if k in sweep} | run
         for name, option in self.own.items():
             if values.get(name) is not None and option.owner != "run":
                 _set_law(tables, option, values[name])
-        scenario = Scenario.from_dict(tables, folder=folder)
+        scenario = changed_scenario(path, tables)
         return scenario, {k: v for k, v in sweep.items() if k in _OF_SWEEP}
 
     def _needed(self, option: Parameter, scenario: Scenario) -> Any:

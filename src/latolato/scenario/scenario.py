@@ -14,7 +14,7 @@ from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.core.errors import InputError
+from latolato.core.errors import InputError, python_name, reading
 from latolato.core.registry import describe, suggest
 from latolato.core.rules import broken_rule
 from latolato.core.versions import FORMAT, check_format
@@ -237,6 +237,21 @@ class Scenario:
         return {k: v for k, v in arguments.items() if k in overrides or k not in replaced}
 
 
+def entry_of(parameter: str, value: str = "") -> str:
+    """Return what a scenario's file calls a parameter, below the table of its law.
+
+    Examples
+    --------
+    >>> entry_of("right_length"), entry_of("length"), entry_of("suspension", "rod")
+    ('right.length', 'length', "suspension='rod'")
+    """
+    from latolato.scenario.options import law_options
+
+    options = law_options()
+    path = options[parameter].path if parameter in options else ()
+    return python_name(".".join(path) if len(path) > 1 else parameter, value)
+
+
 def load_scenario(source: str | Path) -> Scenario:
     """Return a shipped scenario, one from a TOML file, or the one stored in a run's file.
 
@@ -255,9 +270,10 @@ def load_scenario(source: str | Path) -> Scenario:
     """
     path = find(source)
     try:
-        return Scenario.from_dict(read_tables(path), folder=path.parent)
+        with reading(path.name, gives_values=True):
+            return Scenario.from_dict(read_tables(path), folder=path.parent)
     except InputError as error:
-        error.where = path.name
+        error.name_of = entry_of
         raise
 
 
@@ -370,12 +386,35 @@ def shipped() -> dict[str, Path]:
 
 def changed_tables(
     path: Path | None, changed: dict[str, dict[str, Any]], tables: Mapping[str, Any] | None = None
-) -> tuple[dict[str, Any], Path | None]:
-    """Return the tables of a scenario with the options put in, and where its files begin."""
+) -> dict[str, Any]:
+    """Return the tables of a scenario with the options put in."""
     if path is None and tables is None and "kind" not in changed.get("system", {}):
         raise broken_rule("what_to_run", {"systems": ", ".join(systems)})
     if tables is None:
         tables = read_tables(path) if path else {}
     if "drive" in changed and tables.get("drive", {}).get("kind", "fixed_pivot") == "fixed_pivot":
         changed["drive"].setdefault("kind", "harmonic")
-    return overridden(dict(tables), changed), path.parent if path else None
+    return overridden(dict(tables), changed)
+
+
+def changed_scenario(path: Path | None, tables: Tables) -> Scenario:
+    """Return the scenario in tables into which options were put.
+
+    What is wrong in its file alone, where it has one, names the file.
+    """
+    try:
+        return Scenario.from_dict(tables, folder=path.parent if path else None)
+    except InputError as error:
+        if path is not None:
+            _refuse_alike(path, error)
+        raise
+
+
+def _refuse_alike(path: Path, error: InputError) -> None:
+    """Raise the error of a file if it is another one's, with the same value."""
+    try:
+        load_scenario(path)
+    except InputError as own:
+        both = [(str(each.rule), each.parameter, str(each.value)) for each in (own, error)]
+        if both[0] == both[1]:
+            raise own from None

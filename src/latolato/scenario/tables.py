@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import fields, is_dataclass, replace
+from dataclasses import MISSING, fields, is_dataclass, replace
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -13,7 +13,7 @@ from latolato.core.errors import InputError, Word, name_gap
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import NON_NEGATIVE
 from latolato.core.registry import checked_number, suggest, types_of
-from latolato.core.rules import broken_rule, either_of
+from latolato.core.rules import broken_rule, each_of, either_of
 from latolato.observables import Observable, observables
 from latolato.physics.contacts import contact_laws
 from latolato.physics.drives import Drive, drives
@@ -143,13 +143,16 @@ def build_from(law: type, table: Mapping[str, Any], folder: Path) -> Any:
     known = {f.name: f for f in fields(law)}
     parts = [name for name in known if is_dataclass(hints[name])]
     plain: dict[str, Any] = {}
-    for name, value in table.items():
+    # Of a part that is missing its own parameters are what to give.
+    needed: dict[str, Any] = {name: {} for name in parts if known[name].default is MISSING}
+    own = {name: value for name, value in table.items() if name not in parts}
+    for name, value in (own | needed | dict(table)).items():
         if name in parts:
             with renamed({f.name: f"{name}_{f.name}" for f in fields(hints[name])}):
                 plain[name] = build_from(hints[name], checked_table(value, name), folder)
         elif name not in known:
             if any(name in hints[part].__dataclass_fields__ for part in parts):
-                each = " and ".join(f"{part}.{name}" for part in parts)
+                each = each_of([f"{part}_{name}" for part in parts])
                 raise broken_rule(
                     "of_each_part", {"law": Word(law.__name__), "parts": each}, parameter=name
                 )

@@ -46,7 +46,7 @@ function numbersOf(registry, part, kind, input) {
   for (const name of own) {
     const option = registry.options[name];
     const value = input[name] ?? option.default;
-    if (value === null && !(name in input)) throw missing(registry, law.title, name, own, input);
+    if (value === null && !(name in input)) throw missing(registry, law.title, name);
     values[name] = value;
   }
   for (const name of own)
@@ -64,17 +64,11 @@ function numbersOf(registry, part, kind, input) {
  * @param {Registry} registry
  * @param {string} title of the law
  * @param {string} name
- * @param {string[]} own
- * @param {Values} input
  */
-function missing(registry, title, name, own, input) {
+function missing(registry, title, name) {
   const { path, unit } = registry.options[name];
-  const inUnit = unit ? ` [${unit}]` : "";
-  const law = { word: title };
-  if (path.length === 1) return brokenRule("needed", { parameter: name }, { law, unit: inUnit });
-  const isWhole = !own.some((each) => each in input && registry.options[each].path[0] === path[0]);
-  if (isWhole) return brokenRule("needed", { parameter: path[0] }, { law, unit: "" });
-  return brokenRule("needed", { parameter: name }, { law: { word: "Ball" }, unit: inUnit });
+  const law = { word: path.length === 1 ? title : "Ball" };
+  return brokenRule("needed", { parameter: name }, { law, unit: unit ? ` [${unit}]` : "" });
 }
 
 /**

@@ -1,6 +1,6 @@
 /** From a preset and options, with units or without, to numbers in SI units. */
 
-import { brokenRule, checkedNumber, eitherOf, suggest, unknown } from "./rules.js";
+import { brokenRule, checkedNumber, eachOf, eitherOf, suggest, unknown } from "./rules.js";
 import { toSi } from "./units.js";
 
 /** @typedef {import("./registry.js").Registry} Registry */
@@ -186,8 +186,8 @@ export function foreign(registry, part, kind, name, called = name) {
     registry.options[own].path[0] === path[0]);
   const inside = laws[kind].options.filter((own) => registry.options[own].path[1] === path[0]);
   if (inside.length) {
-    const each = inside.map((own) => registry.options[own].path.join(".")).join(" and ");
-    return brokenRule("of_each_part", { parameter: path[0] }, { law: { word: laws[kind].title }, parts: each });
+    const parts = eachOf(inside);
+    return brokenRule("of_each_part", { parameter: path[0] }, { law: { word: laws[kind].title }, parts });
   }
   const inner = path[1] ?? "";
   const knows = laws[kind].options.some((own) => registry.options[own].path[0] === inner);

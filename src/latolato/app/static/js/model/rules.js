@@ -127,6 +127,16 @@ export function eitherOf(names) {
   return words.reduce((first, other) => sentenceOf("either_of", { first, other }));
 }
 
+/**
+ * Return what people call parameters that are all needed, as `latolato.core.rules.each_of`.
+ * @param {string[]} parameters
+ * @returns {Value}
+ */
+export function eachOf(parameters) {
+  const names = parameters.map((name) => /** @type {Value} */ ({ name: "", part: "rule", text: `{@${name}}`, values: {} }));
+  return names.reduce((first, other) => sentenceOf("each_of", { first, other }));
+}
+
 /** What is right, and left to the installed program. */
 export class BeyondPageError extends InputError {
   /**
