@@ -180,6 +180,58 @@ def test_a_german_table_without_units_is_mended_by_clicks(page, angle, tmp_path)
     assert options["length"] == pytest.approx(LENGTH, rel=2e-3)
 
 
+def test_places_of_ball_and_pivot_are_known_by_their_names(page, angle, tmp_path):
+    x, y = 100.0 * LENGTH * np.sin(angle) + 12.0, 50.0 - 100.0 * LENGTH * np.cos(angle)
+    still = np.full_like(TIME, 12.0), np.full_like(TIME, 50.0)
+    head = "t (s),x ball (cm),y ball (cm),x pivot (cm),y pivot (cm)"
+    dropped(page, written(tmp_path / "places.csv", head, TIME, x, y, *still))
+    chosen = page.locator(".recognised th select:visible").evaluate_all(
+        "all => all.map((each) => each.selectedOptions[0].textContent)"
+    )
+    assert [each for each in chosen if each not in ("s", "cm")] == [
+        "time", "x of ball 1", "y of ball 1", "x of the pivot", "y of the pivot",
+    ]  # fmt: skip
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=2e-3)
+
+
+@pytest.mark.parametrize("width, language", [(1366, "en"), (390, "id")])
+def test_a_table_of_times_alone_cannot_be_used(page, angle, tmp_path, width, language):
+    path = STATIC / "languages" / f"{language}.json"
+    texts = json.loads(path.read_text("utf-8"))["strings"]
+    page.set_viewport_size({"width": width, "height": 844})
+    table = written(tmp_path / "places.csv", "t (s),u (cm),v (cm)", TIME, angle, angle)
+    dropped(page, table, f"&lang={language}")
+    use = page.get_by_role("button", name=texts["sheetUse"])
+    page.get_by_text(texts["rolesMissing"]).wait_for()
+    assert use.is_disabled()
+    # One coordinate of a ball is not enough.
+    page.get_by_label(texts["roleOf"].replace("{name}", "u")).select_option("ball_1_x")
+    name = f"\u201c{texts['role_ball_1_y']}\u201d"
+    page.get_by_text(texts["roleMissing"].replace("{names}", name)).wait_for()
+    assert use.is_disabled()
+    page.get_by_label(texts["roleOf"].replace("{name}", "v")).select_option("ball_1_y")
+    assert use.is_enabled()
+    assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+    assert serious_faults(page) == []
+
+
+@pytest.mark.parametrize("width, language", [(1366, "en"), (390, "id")])
+def test_a_question_about_units_stands_before_the_numbers(page, angle, tmp_path, width, language):
+    page.set_viewport_size({"width": width, "height": 844})
+    texts = json.loads((STATIC / "languages" / f"{language}.json").read_text("utf-8"))["strings"]
+    for scale, unit, words in (
+        (1.0, 180.0 / np.pi, "file wrong?" if language == "en" else "berkas salah?"),
+        (1e3, 1.0, "milliseconds?" if language == "en" else "milisekon?"),
+    ):
+        path = written(tmp_path / "swing.csv", "t (s),angle (rad)", scale * TIME, unit * angle)
+        dropped(page, path, f"&lang={language}")
+        used(page, texts["sheetUse"])
+        assert page.locator(".finding strong").inner_text().endswith(words)
+        assert page.locator("[data-answer]").count() == 0
+        assert page.evaluate("() => document.documentElement.scrollWidth") <= width
+
+
 def test_a_unit_of_something_else_is_chosen_before_the_table_is_used(page, angle, tmp_path):
     path = written(tmp_path / "mass.csv", "t (s),theta (kg)", TIME, angle)
     dropped(page, path)

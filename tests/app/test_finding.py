@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from latolato.app.experiment.finding import answer_of, finding_of
+from latolato.app.experiment.finding import answer_of, finding_of, questions_of
 from latolato.experiment.fits.registry import Apparatus
 from latolato.experiment.track_table import track_table
 from track_tables import decay_table
@@ -52,7 +52,7 @@ def test_a_free_swing_says_how_often_and_how_fast_it_fades():
 def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
     values = {"natural_frequency": value(8.928, 0.019), "decay_rate": value(-1e-4, 2e-4)}
     told = told_of(table(), {"decay": {"values": values}}, None)
-    assert "no decay of its swing was found: film for longer." in told
+    assert "no decay of its swing was found: a longer record may show one." in told
     assert "every" not in told
 
 
@@ -65,7 +65,7 @@ def test_a_swing_that_does_not_fade_says_so_and_what_to_do():
             "beyond 90°: strong motion. The uncertainty of the angle reaches across that limit.",
         ),
         ({"class": "none"}, "The swing ends below 45°."),
-        ({"note": "not settled in the last part"}, "The motion has not settled in this video."),
+        ({"note": "not settled in the last part"}, "The motion has not settled in this record."),
     ],
 )
 def test_a_driven_swing_says_what_the_drive_is_and_how_far_it_goes(more, words):
@@ -114,13 +114,29 @@ def test_without_a_fit_tracking_gives_the_period():
 def test_where_nothing_was_found_it_says_what_to_do():
     told = told_of(table(duration=0.8), {"drive": ERROR, "decay": ERROR}, None)
     assert told.startswith(
-        "No swing was found. At least three swings must be seen: film for longer"
+        "No swing was found. A record needs at least three swings: make it longer"
     )
 
 
 def test_a_ball_that_was_hardly_seen_is_not_trusted():
     told = told_of(table(flag="lost"), {"decay": DECAY}, None)
-    assert "Only 0 % of the samples were seen: do not trust the numbers" in told
+    assert "was measured in only 0 % of the samples: do not trust the numbers" in told
+
+
+def test_a_question_comes_before_every_number():
+    own = table()
+    slow = own.assign_coords(time=1e3 * own.time)
+    values = {"natural_frequency": value(5.0e-3, 1e-5), "length": value(3.9e5, 1.0)}
+    for cards in ({"decay": ERROR}, {"decay": {"values": values | DECAY["values"]}}):
+        asked = questions_of(slow, cards)
+        assert asked[0].startswith("This is the period of a pendulum of ")
+        assert "is the clock in seconds" in asked[0]
+        assert finding_of(slow, cards, None, asked)[0] == asked[0]
+        assert answer_of(slow, cards, None, Apparatus(), asked) == []
+    assert questions_of(own, {"decay": ERROR}) == []
+    doubted = {"decay": {"error": "no", "doubt": "it fails"}}
+    assert answer_of(own, doubted, None, Apparatus()) == []
+    assert finding_of(own, doubted, None)[0] == "it fails"
 
 
 def test_the_numbers_of_a_free_swing_are_period_frequency_fading_and_gravity():

@@ -69,6 +69,39 @@ def test_a_table_is_recognised_imported_fitted_and_exported(angle):
         assert page.file(clip, "track.csv").text.startswith("# table: track")
 
 
+@pytest.mark.parametrize(
+    "head, seconds, factor, question",
+    [
+        ("t (s),theta (rad)", 1e3, 1.0, "This is the period of a pendulum of "),
+        ("t (s),theta (rad)", 1e6, 1.0, "This is the period of a pendulum of "),
+        ("t (s),theta (rad)", 1.0, 180.0 / np.pi, "angle_1 swings to and fro by "),
+    ],
+)
+def test_a_unit_that_nobody_measures_in_is_asked_for_before_any_number(
+    tmp_path, angle, head, seconds, factor, question
+):
+    job = job_of(tmp_path, text_of(head, seconds * TIME, factor * angle), "swing.csv")
+    about = done("import", job, {"columns": {"time": "1", "angle_1": "2"}})
+    assert about["finding"][0].startswith(question)
+    assert about["finding"][0].endswith("?")
+    assert any("One swing" in each or "It swings" in each for each in about["finding"][1:])
+    assert about["answer"] == []
+
+
+def test_a_track_table_in_degrees_is_asked_about_too(tmp_path, angle):
+    path = write_table(
+        track_table({"time": TIME, "angle_1": np.degrees(angle)}), tmp_path / "a.csv"
+    )
+    about = done("import", job_of(tmp_path, path.read_text("utf-8"), "a.csv"), {})
+    assert about["finding"][0].endswith("is it in degrees, and the unit in the file wrong?")
+
+
+def test_a_table_of_times_alone_is_refused(tmp_path):
+    job = job_of(tmp_path, text_of("t (s),mass (kg)", TIME, TIME), "swing.csv")
+    with pytest.raises(ll.InputError, match="which column is angle_1; it has t, mass"):
+        done("import", job, {"columns": {"time": "1"}})
+
+
 def test_lines_of_python_and_commands_make_the_same_fit(angle, tmp_path, monkeypatch, capsys):
     folder, here = tmp_path / "upload", tmp_path / "here"
     folder.mkdir()

@@ -59,6 +59,75 @@ def test_rows_whose_angle_is_missing_are_rows_also_at_the_top(tmp_path):
     assert np.isfinite(table.angle_1.values).tolist() == [False, False, True, False, True]
 
 
+@pytest.mark.parametrize(
+    "names",
+    [
+        ("x ball", "y ball", "x pivot", "y pivot"),
+        ("ball_x", "ball_y", "pivot_x", "pivot_y"),
+        ("Ball 1 position x", "Ball 1 position y", "Pivot x", "Pivot y"),
+        ("x bola", "y bola", "x poros", "y poros"),
+        ("x1", "y1", "pivot_x", "pivot_y"),
+    ],
+)
+def test_an_object_in_the_names_of_columns_is_a_track(tmp_path, names):
+    still = np.full_like(TIME, 12.0)
+    head = ",".join(["t (s)", *(f"{name} (cm)" for name in names)])
+    x, y = 30.0 * np.sin(ANGLE) + 12.0, 12.0 - 30.0 * np.cos(ANGLE)
+    table = import_table(written(tmp_path, f"{head}\n" + lines(TIME, x, y, still, still)))
+    assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-6)
+    assert "angle_2" not in table
+
+
+def test_sides_and_numbers_in_the_names_of_columns_are_two_balls(tmp_path):
+    for names in ("left angle (rad),right angle (rad)", "theta2 [rad],theta1 [rad]"):
+        path = written(tmp_path, f"t [s],{names}\n" + lines(TIME, -ANGLE, ANGLE))
+        assert import_table(path).angle_1.values == pytest.approx(ANGLE, abs=1e-6)
+    path = written(tmp_path, "t [s],theta1 [rad],theta2 [rad],theta3 [rad]\n0,1,2,3\n1,1,2,3\n")
+    with pytest.raises(ll.InputError, match=r"3 tracks: 1, 2, 3; .*as in angle_1 = 'theta1'"):
+        import_table(path)
+    # What no ball is called is nobody's place.
+    path = written(tmp_path, "t [s],Gyroscope x,Acceleration x,Acceleration y\n0,1,2,3\n1,1,2,3\n")
+    with pytest.raises(ll.InputError, match="not clear which column is angle_1"):
+        import_table(path)
+
+
+def test_a_table_of_times_alone_is_refused(tmp_path):
+    path = written(tmp_path, "t (s),x ball (cm),remark\n0,1,a\n1,2,b\n")
+    for columns in (None, {"time": "t"}):
+        with pytest.raises(
+            ll.InputError, match="which column is angle_1; it has t, x ball, remark"
+        ):
+            import_table(path, columns)
+    path = written(tmp_path, "t (s),theta (deg)\n0,\n1,\n")
+    with pytest.raises(ll.InputError, match="column 'theta' holds no numbers"):
+        import_table(path, {"time": "t", "angle_1": "theta"})
+
+
+def test_degrees_below_radians_are_asked_for_and_stay_as_they_are(tmp_path):
+    time = np.arange(0.0, 6.0, 1.0 / 30.0)
+    degrees = 30.0 * np.exp(-0.05 * time) * np.cos(5.2 * time)
+    path = written(tmp_path, "t (s),angle (rad)\n" + lines(time, degrees))
+    questions = []
+    table = import_table(path, questions=questions)
+    assert questions == [
+        "angle_1 swings to and fro by 29.6 rad, which is more than half a turn: is it in "
+        "degrees, and the unit in the file wrong?"
+    ]
+    assert questions[0] in table.attrs["assumed"]
+    # Steps of more than half a turn are no jumps of a turn here.
+    assert table.angle_1.values == pytest.approx(degrees, abs=1e-6)
+    # A ball that goes round, and one that swings, are in radians.
+    for angle in (20.0 * time, 3.0 * np.cos(5.2 * time), 2.5 + 0.1 * degrees):
+        path = written(tmp_path, "t (s),angle (rad)\n" + lines(time, angle))
+        assert not any("degrees" in each for each in asked_of(path))
+
+
+def asked_of(path):
+    questions = []
+    import_table(path, questions=questions)
+    return questions
+
+
 def test_positions_become_angles_about_the_pivot_and_full_turns_are_unwrapped(tmp_path):
     angle = 4.0 * TIME
     x, y = 1.0 + 0.3 * np.sin(angle), 2.0 - 0.3 * np.cos(angle)
@@ -289,7 +358,7 @@ def test_jumps_and_whole_turns_are_taken_off_stated_angles(tmp_path):
     path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, hanging))
     table = import_table(path, angle_from="right")
     assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-9)
-    assert "1 whole turn taken off angle_1" in table.attrs["assumed"]
+    assert "angle_1 is shifted by a whole turn" in table.attrs["assumed"]
     wrapped = np.rad2deg((ANGLE + 2.8 + np.pi) % (2.0 * np.pi) - np.pi)
     path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, wrapped), "wrapped.csv")
     table = import_table(path)
@@ -311,15 +380,17 @@ def test_the_command_line_asks_in_the_words_of_its_options(tmp_path, capsys):
     from latolato.cli.main import main
 
     # What the command has no option for is called as in the table.
-    notes = {
-        -180.0: "-1 whole turn taken off angle_1; angle_1 is above the pivot in most rows: is it "
-        "counted from the x axis (--angle-from right)?",
-        360.0: "1 whole turn taken off angle_1",
-    }
-    for turned, note in notes.items():
+    question = (
+        "question angle_1 is above the pivot in most rows: is it counted from the x axis "
+        "(--angle-from right)? recognised "
+    )
+    shifts = {-180.0: "a whole turn", 360.0: "a whole turn", -720.0: "2 whole turns"}
+    for turned, by in shifts.items():
         path = written(tmp_path, "t [s],theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE) + turned))
         assert main(["import", str(path)]) == 0
-        assert f" note {note} written " in " ".join(capsys.readouterr().out.split())
+        shown = " ".join(capsys.readouterr().out.split())
+        assert f" note angle_1 is shifted by {by} written " in shown
+        assert shown.startswith(question) == (turned == -180.0)
     path = written(tmp_path, "sec,theta [deg]\n" + lines(TIME, np.rad2deg(ANGLE)), "b.csv")
     assert main(["import", str(path), "--column", "angle_1=theta"]) == 2
     assert (

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from latolato.io.tables.source import SourceTable
 
 
-OPTIONS = options_of(import_table, without=("path", "notes"))
+OPTIONS = options_of(import_table, without=("path", "notes", "questions"))
 
 
 @with_options(OPTIONS.values())
@@ -68,15 +68,26 @@ def import_(
         if values[name] is not None:
             values[name] = read(values[name])
     notes: list[str] = []
-    table = import_table(file, columns_of(column), **arguments_of(OPTIONS, values), notes=notes)
+    questions: list[str] = []
+    table = import_table(
+        file,
+        columns_of(column),
+        **arguments_of(OPTIONS, values),
+        notes=notes,
+        questions=questions,
+    )
     if output is None:
         check_replaces_no_other(table, target)
     write_table(table, target)
     files = {"files": [str(target)]}
-    lines = lines_of(table)
-    if notes:
-        assert isinstance(context.command, StrictCommand)
-        lines["note"] = "; ".join(called(note, context.command.name_of) for note in notes)
+    assert isinstance(context.command, StrictCommand)
+    asked, told = (
+        "; ".join(called(each, context.command.name_of) for each in sentences)
+        for sentences in (questions, notes)
+    )
+    # What is asked comes before the numbers.
+    lines = {"question": asked, **lines_of(table), "note": told}
+    lines = {name: text for name, text in lines.items() if text}
     print_summary(summarise(table) | files, lines, as_json=as_json)
 
 

@@ -35,28 +35,30 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 
 # What people call the columns, in small letters and without units; used where none is named.
-_USUAL = {
-    "time": (
-        "t", "time", "zeit", "temps", "tiempo", "tempo", "waktu", "seconds_elapsed",
-        "time since start", "position_t",
-    ),
-    "angle": (
-        "theta", "angle", "θ", "θr", "phi", "φ", "winkel", "ángulo", "angolo", "sudut",
-        "angular position", "angle_1",
-    ),
-    "x": ("x", "position_x", "ball_1_x"),
-    "y": ("y", "position_y", "ball_1_y"),
-}  # fmt: skip
+_TIMES = (
+    "t", "time", "zeit", "temps", "tiempo", "tempo", "waktu", "seconds_elapsed",
+    "time since start", "position_t",
+)  # fmt: skip
+_ANGLES = (
+    "theta", "angle", "angular", "θ", "θr", "phi", "φ", "winkel", "ángulo", "angolo", "sudut",
+)  # fmt: skip
 # A clock that starts with the record is better than another one.
 _OWN_CLOCKS = ("seconds_elapsed", "time since start")
 _FRAMES = ("frame", "frames", "frame number", "frame no", "image", "slice", "bild")
-# Tracks that are the pivot and not a ball.
-_PIVOTS = ("pivot", "suspension", "hand", "support", "aufhängung")
+# Tracks that are the pivot and not a ball, and words for a ball: "y pivot", "ball 2 x".
+_PIVOTS = ("pivot", "suspension", "hand", "support", "aufhängung", "drehpunkt", "poros")
+_BALLS = ("ball", "bob", "mass", "kugel", "bola", "bandul")
+# What tells one ball from another beside a number, and what says nothing in the name of a column.
+_SIDES, _EMPTY_WORDS = ("left", "right"), ("position", "of", "the")
+_WORD = re.compile(r"[^\W\d_]+|\d+")
 # What may be imported: the table's numbers.
 TARGETS = tuple(n for n in column_names(2) if n != "frame" and not n.startswith("flag"))
 _PLACES = tuple(name for name in TARGETS if name.endswith(("_x", "_y")))
 # What a gyroscope measures; it becomes the angle.
 _RATE = "angular_velocity_1"
+# Stated angles that lie within so much may have been wrapped into a turn, whose ends noise blurs
+# [rad]; and how often a swing changes sides before it is one.
+_WRAPPED, _TO_AND_FRO = 2.1 * np.pi, 3
 # The line of a CSV that says it is a track table, and how far down it may stand.
 _MARK, _HEADER_LINES = ["#", "table:", "track"], 200
 
@@ -74,6 +76,7 @@ class _Import:
     lines: NDArray[np.int32]
     series: dict[str, Floats] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
+    questions: list[str] = field(default_factory=list)
 
 
 def import_table(
@@ -90,6 +93,7 @@ def import_table(
     y_axis: Literal["up", "down"] = "up",
     angle_sigma: Annotated[float | None, "rad"] = None,
     notes: list[str] | None = None,
+    questions: list[str] | None = None,
 ) -> xr.Dataset:
     """Return a track table from a file of another program.
 
@@ -130,6 +134,9 @@ def import_table(
         Standard deviation of the angles [rad], if the file has none.
     notes : list of str, optional
         Is extended by the sentences on what had to be assumed, as pages translate them.
+    questions : list of str, optional
+        Is extended by questions about angles that no swing has: their unit or direction seems to be
+        another one.
 
     Returns
     -------
@@ -137,7 +144,8 @@ def import_table(
         A track table, see `latolato.experiment.track_table`. Angles are computed from positions
         where the file has none; cells without a number are NaN and flagged lost. Angles are
         unwrapped, and whole turns are taken off. Its attribute ``recognised`` says what the file
-        is, ``imported`` which columns were read, and ``assumed`` what the file does not state.
+        is, ``imported`` which columns were read, and ``assumed`` what the file does not state, with
+        the questions.
 
     Raises
     ------
@@ -168,6 +176,8 @@ def import_table(
         asked.notes += source.notes
         _read_series(asked, frame_rate, decimal)
         _convert(asked, frame_rate)
+        if not asked.columns.keys() - {"time"}:
+            raise _unclear(part, columns, has_time=True)
         series = asked.series
         if y_axis == "down":
             series |= {axis: -series[axis] for axis in series if axis.endswith("_y")}
@@ -177,13 +187,15 @@ def import_table(
             series["angle_1"] = _integrated(series["time"], series.pop(_RATE))
         stated = [name for name in ("angle_1", "angle_2") if name in series]
         _place_angles(series, pivot, angle_from)
+        asked.questions += unit_questions({name: series[name] for name in stated})
         for name in stated:
             series[name] = _near_zero(name, series[name], asked.notes)
         if any(unit == "px" for _, unit in asked.columns.values()):
             for place in _PLACES:  # which have served for angles
                 series.pop(place, None)
             asked.notes.append(said("only_angles"))
-        _ask_about_directions(series, stated, asked.notes)
+        if not asked.questions:
+            _ask_about_directions(series, stated, asked.questions)
         for ball in (1, 2):
             if angle_sigma is not None and f"angle_{ball}" in series:
                 sigma = checked_number("angle_sigma", angle_sigma, POSITIVE, "rad")
@@ -196,7 +208,7 @@ def import_table(
                 f"{name} = {column.path}" + (f" [{unit}]" if unit else "")
                 for name, (column, unit) in asked.columns.items()
             ),
-            "assumed": "; ".join(asked.notes) or None,
+            "assumed": "; ".join([*asked.notes, *asked.questions]) or None,
             "section": section,
         }
         if length is not None:
@@ -205,6 +217,8 @@ def import_table(
             attributes["radius"] = checked_number("radius", radius, NON_NEGATIVE, "m")
         if notes is not None:
             notes += asked.notes
+        if questions is not None:
+            questions += asked.questions
         return track_table(series, attributes)
 
 
@@ -277,7 +291,7 @@ def _of_run(section: Section, run: str) -> Section:
 
 def _runs(section: Section) -> list[str]:
     """Return the tracks that have a time of their own."""
-    return [c.track for c in section.columns if c.track and _is_called(c, _USUAL["time"])]
+    return [c.track for c in section.columns if c.track and _is_called(c, _TIMES)]
 
 
 def _is_called(column: SourceColumn, names: Sequence[str]) -> bool:
@@ -290,7 +304,7 @@ def _is_called(column: SourceColumn, names: Sequence[str]) -> bool:
 
 def _times(section: Section, *, has_rate: bool = False) -> list[SourceColumn]:
     """Return the columns that may be the time: numbers rather than texts, their own clock first."""
-    usual = _FRAMES if has_rate else _USUAL["time"]
+    usual = _FRAMES if has_rate else _TIMES
     found = [c for c in section.columns if c.kind != "empty" and _is_called(c, usual)]
     own = [c for c in found if _is_called(c, _OWN_CLOCKS)]
     return own or [c for c in found if c.kind == "numbers"] or found
@@ -351,16 +365,37 @@ def _candidates(section: Section) -> dict[tuple[str, str], list[SourceColumn]]:
     """Return the columns that may be the angle, x or y of each track."""
     found: dict[tuple[str, str], list[SourceColumn]] = {}
     for column in section.columns:
-        for what in ("angle", "x", "y"):
-            if column.kind == "numbers" and _is_called(column, _USUAL[what]):
-                found.setdefault((what, column.track), []).append(column)
+        meant = _meant(column) if column.kind == "numbers" else None
+        if meant is not None:
+            found.setdefault(meant, []).append(column)
     return found
 
 
+def _meant(column: SourceColumn) -> tuple[str, str] | None:
+    """Return which of angle, x and y a column is called, and of which track; None for others.
+
+    An object in the name is a track, as in ``x pivot`` and ``left ball y``; a ball that is called
+    nothing else has the track of the column.
+    """
+    for name in (column.name, *column.aliases):
+        words = _WORD.findall(name.lower().split(",")[0])
+        found = [word for word in words if word in ("x", "y", *_ANGLES)]
+        others = [word for word in words if word not in (*found, *_BALLS, *_EMPTY_WORDS)]
+        is_object = all(w in (*_PIVOTS, *_SIDES) or w.isdecimal() for w in others)
+        if len(found) == 1 and is_object:
+            what = found[0] if found[0] in "xy" else "angle"
+            return what, " ".join(filter(None, (column.track, *others)))
+    return None
+
+
 def _balls_among(tracks: Mapping[str, Any]) -> list[str]:
-    """Return the tracks that are no pivot, a right ball before a left one."""
-    balls = [track for track in tracks if track.lower() not in _PIVOTS]
-    return sorted(balls, key=lambda name: ("left" in name.lower()) - ("right" in name.lower()))
+    """Return the tracks that are no pivot, a right ball before a left one, and 1 before 2."""
+
+    def place(name: str) -> tuple[int, str]:
+        side = ("left" in name.lower()) - ("right" in name.lower())
+        return side, name if name.isdecimal() else ""
+
+    return sorted((track for track in tracks if track.lower() not in _PIVOTS), key=place)
 
 
 def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]:
@@ -396,28 +431,41 @@ def usual_columns(section: Section, *, has_rate: bool = False) -> dict[str, str]
     has_time = has_rate or has_time
     balls = _balls_among(_usual_tracks(section))
     if len(balls) > 2:
-        values = {"count": len(balls), "names": names_text(balls), "first": balls[0]}
+        own = {what: found for (what, ball), found in _candidates(section).items()
+               if ball == balls[0]}  # fmt: skip
+        what = "angle" if "angle" in own else "x"
+        values = {
+            "count": len(balls), "names": names_text([ball or own[what][0].path for ball in balls]),
+            "target": name_gap("angle_1" if what == "angle" else "ball_1_x"),
+            "first": own[what][0].path,
+        }  # fmt: skip
         raise broken("several_tracks", values)
     if not has_time or not balls:
-        names = names_text([column.path for column in section.columns])
-        if not any(column.name for column in section.columns):
-            raise broken("no_headings", {"count": len(section.columns)})
-        wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
-        what = next(iter(wanted))
-        named = {"target": name_gap(what), "path": "NAME", "unit": wanted[what]}
-        for column in section.columns:
-            if _is_called(column, _USUAL[what.removesuffix("_1")]):
-                _refuse_without_numbers(section, column)
-        for target, unit in wanted.items():
-            others = [c for c in section.columns if str(c.position) != mapping.get("time")]
-            fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
-            if fitting:
-                stated = fitting[0].unit or unit
-                named = {"target": name_gap(target), "path": fitting[0].path, "unit": stated}
-                break
-        rule = "unclear_angle" if has_time else "unclear_time"
-        raise broken(rule, {"names": names, **named})
+        raise _unclear(section, mapping, has_time=has_time)
     return mapping
+
+
+def _unclear(section: Section, mapping: Mapping[str, str], *, has_time: bool) -> InputError:
+    """Return the error for a table of which nobody knows the time, or what was measured."""
+    names = names_text([column.path for column in section.columns])
+    if not any(column.name for column in section.columns):
+        return broken("no_headings", {"count": len(section.columns)})
+    wanted = {"angle_1": "rad", _RATE: "rad/s"} if has_time else {"time": "s"}
+    what = next(iter(wanted))
+    named = {"target": name_gap(what), "path": "NAME", "unit": wanted[what]}
+    for column in section.columns:
+        is_angle = (_meant(column) or ("", ""))[0] == "angle"
+        if is_angle if has_time else _is_called(column, _TIMES):
+            _refuse_without_numbers(section, column)
+    for target, unit in wanted.items():
+        others = [c for c in section.columns if str(c.position) != mapping.get("time")]
+        fitting = [c for c in others if _may_be(c, unit) and (c.unit or target == "time")]
+        if fitting:
+            stated = fitting[0].unit or unit
+            named = {"target": name_gap(target), "path": fitting[0].path, "unit": stated}
+            break
+    rule = "unclear_angle" if has_time else "unclear_time"
+    return broken(rule, {"names": names, **named})
 
 
 def _needless_rate(column: SourceColumn) -> InputError:
@@ -492,7 +540,10 @@ def _read_series(asked: _Import, frame_rate: float | None, decimal: str | None) 
     if not has_time.any():
         column, _ = asked.columns["time"]
         _refuse_without_numbers(asked.section, replace(column, kind="empty"))
-    has_more = np.any([np.isfinite(series[name]) for name in names if name != "time"], axis=0)
+    measured = [name for name in names if name != "time"]
+    has_more = np.any([np.isfinite(series[name]) for name in measured], axis=0)
+    if measured and not has_more.any():
+        _refuse_without_numbers(asked.section, replace(asked.columns[measured[0]][0], kind="empty"))
     lost = np.flatnonzero(has_more & ~has_time)
     if lost.size:
         raise broken("missing_time", {"line": lines[lost[0]]})
@@ -646,9 +697,33 @@ def _checked_pivot(
     return float(pivot[0]), float(pivot[1]) * (-1.0 if y_axis == "down" else 1.0)
 
 
+def unit_questions(angles: Mapping[str, Floats]) -> list[str]:
+    """Return questions about angles [rad] that swing to and fro by more than whole turns.
+
+    A pendulum that passes the top goes on in the same direction.
+
+    Examples
+    --------
+    >>> swing = np.sin(np.arange(0.0, 20.0, 0.1))
+    >>> unit_questions({"angle_1": swing}), len(unit_questions({"angle_1": 30.0 * swing}))
+    ([], 1)
+    """
+    questions: list[str] = []
+    for name, angle in angles.items():
+        known = angle[np.isfinite(angle)]
+        about = known - np.median(known) if known.size else known
+        sides = np.sign(about[np.abs(about) > np.pi])
+        if np.count_nonzero(np.diff(sides)) >= _TO_AND_FRO:
+            size = 0.5 * float(np.ptp(about))
+            questions.append(said("seems_degrees", column=name_gap(name), size=size))
+    return questions
+
+
 def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
     """Return an angle that the file states without jumps of a turn and without whole turns."""
-    unwrapped = _unwrapped(angle)
+    finite = angle[np.isfinite(angle)]
+    # Angles that lie within a turn may have been wrapped into it, others were not.
+    unwrapped = _unwrapped(angle) if finite.size and np.ptp(finite) <= _WRAPPED else angle
     known = unwrapped[np.isfinite(unwrapped)]
     if not known.size:
         return angle
@@ -656,27 +731,28 @@ def _near_zero(name: str, angle: Floats, notes: list[str]) -> Floats:
     if np.nanmax(changed) > np.pi:
         notes.append(said("removed_jumps", column=name_gap(name)))
     # A swing lies about its median; a ball that goes round is counted from where it begins.
-    middle = np.median(known) if np.ptp(known) < 2.0 * np.pi else known[0]
+    is_swing = np.ptp(known) < 2.0 * np.pi or unit_questions({name: unwrapped})
+    middle = np.median(known) if is_swing else known[0]
     turns = round(float(middle) / (2.0 * np.pi))
     if turns == 0:
         return unwrapped
-    rule = "removed_turn" if abs(turns) == 1 else "removed_turns"
-    notes.append(said(rule, count=turns, column=name_gap(name)))
+    rule = "shifted_turn" if abs(turns) == 1 else "shifted_turns"
+    notes.append(said(rule, count=abs(turns), column=name_gap(name)))
     result: Floats = unwrapped - 2.0 * np.pi * turns
     return result
 
 
 def _ask_about_directions(
-    series: Mapping[str, Floats], stated: Sequence[str], notes: list[str]
+    series: Mapping[str, Floats], stated: Sequence[str], questions: list[str]
 ) -> None:
-    """Note balls that are above their pivot most of the time."""
+    """Ask about balls that are above their pivot most of the time."""
     for name in ("angle_1", "angle_2"):
         angle = series.get(name)
         if angle is None or not np.isfinite(angle).any():
             continue
         if abs(float(np.nanmedian(angle))) > 0.5 * np.pi:
             rule = "stated_above" if name in stated else "placed_above"
-            notes.append(said(rule, column=name_gap(name)))
+            questions.append(said(rule, column=name_gap(name)))
 
 
 def _place_angles(

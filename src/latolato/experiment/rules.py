@@ -26,8 +26,8 @@ RULES = {
     "outliers": Rule("{count} outliers were left out."),
     "repeated_samples": Rule("{count} samples that repeat the one before were left out."),
     "unusual_length": Rule(
-        "A length of {value:.4g} m is unusual: is the clock in seconds, not in frames or "
-        "milliseconds?"
+        "This is the period of a pendulum of {value:.3g} m: is the clock in seconds, not in frames "
+        "or milliseconds?"
     ),
     "unusual_drive_frequency": Rule(
         "A drive frequency of {value:.4g} rad/s is unusual: is the clock in seconds, not in frames "
@@ -294,8 +294,12 @@ RULES = {
     "times_of_frames": Rule("times are those of frames at {rate:g} per second"),
     "divided_frames": Rule("times are frame numbers divided by {rate:g} per second"),
     "removed_jumps": Rule("jumps of a whole turn removed from {column}"),
-    "removed_turn": Rule("{count} whole turn taken off {column}"),
-    "removed_turns": Rule("{count} whole turns taken off {column}"),
+    "shifted_turn": Rule("{column} is shifted by a whole turn"),
+    "shifted_turns": Rule("{column} is shifted by {count} whole turns"),
+    "seems_degrees": Rule(
+        "{column} swings to and fro by {size:.3g} rad, which is more than half a turn: is it in "
+        "degrees, and the unit in the file wrong?"
+    ),
     "stated_above": Rule(
         "{column} is above the pivot in most rows: is it counted from the x axis "
         "({@angle_from=right})?"
@@ -312,7 +316,7 @@ RULES = {
     ),
     "several_tracks": Rule(
         "it has {count} tracks: {names}",
-        "name the columns of one or two with {@columns}, as in ball_1_x = '{first}/x'",
+        "name the columns of one or two with {@columns}, as in {target} = '{first}'",
     ),
     "frames_only": Rule("it has frame numbers and no time", "give {@frame_rate} in 1/s"),
     "needless_rate": Rule(

@@ -127,7 +127,7 @@ def trial_of(
     notes += [
         said(f"note_{part}")
         for part in ("amplitude", "frequency")
-        if size_questions(drive.estimates, f"drive_{part}")
+        if size_questions({f"drive_{part}": drive[f"drive_{part}"].value})
     ]
     if "It is not steady" in drive.verdict:
         notes.append(said("note_unsteady"))

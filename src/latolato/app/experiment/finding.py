@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from latolato.core.errors import Sentence
 from latolato.core.rules import Rule, sentence
+from latolato.experiment.fits.result import size_questions
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
-from latolato.physics.pendulum import equivalent_pendulum
+from latolato.physics.pendulum import GRAVITY, equivalent_pendulum
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -27,12 +28,13 @@ FINDINGS = {
     ),
     "swing_grows": Rule("It swings {rate} times a second, and its swing grows by {growth} 1/s."),
     "swing_lasts": Rule(
-        "It swings {rate} times a second; no decay of its swing was found: film for longer."
+        "It swings {rate} times a second; no decay of its swing was found: a longer record may "
+        "show one."
     ),
     "pivot_at_rest": Rule("The pivot is at rest. Larger swings are a little slower."),
     "one_swing": Rule("One swing takes {period} s."),
     "no_swing": Rule(
-        "No swing was found. At least three swings must be seen: film for longer, or correct the "
+        "No swing was found. A record needs at least three swings: make it longer, or correct the "
         "set-up."
     ),
     "ball_is_shaken": Rule(
@@ -47,34 +49,40 @@ FINDINGS = {
         "The axis of the drive is taken as vertical: the clip shows too little of the swing to "
         "tell."
     ),
-    "not_settled": Rule("The motion has not settled in this video."),
+    "not_settled": Rule("The motion has not settled in this record."),
     "motion_none": Rule("The swing ends below 45°."),
     "motion_weak": Rule("The swing lasts and goes beyond 45°."),
     "motion_strong": Rule("That is beyond 90°: strong motion."),
     "borderline": Rule("The uncertainty of the angle reaches across that limit."),
     "no_touch": Rule("The balls were not seen to touch."),
     "touch": Rule(
-        "The balls touch, but the effect of a collision could not be measured: film at a higher "
-        "frame rate."
+        "The balls touch, but the effect of a collision could not be measured: it takes more "
+        "frames or samples per second."
     ),
     "clack": Rule("The balls clack: a collision keeps {kept} of their speed."),
     "met_below": Rule("They meet below."),
     "met_above": Rule("They meet above."),
     "met_twice": Rule("They meet below and above."),
     "hardly_seen": Rule(
-        "Only {share} of the samples were seen: do not trust the numbers, and correct the set-up."
+        "The angle was measured in only {share} of the samples: do not trust the numbers, and "
+        "correct the set-up."
     ),
 }
 # Where fewer samples were seen, the numbers are doubtful.
 _SEEN = 0.5
 # Standard deviations from which a decay or a growth is seen.
 _SURE = 3.0
+# What of fits no experiment has in some sizes.
+_SIZES = ("length", "drive_frequency", "drive_amplitude")
 # Standard uncertainty of a length that somebody measured: one mark of a ruler [m].
 _RULER = 1e-3
 
 
 def finding_of(
-    table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]], trial: Mapping[str, Any] | None
+    table: xr.Dataset,
+    cards: Mapping[str, Mapping[str, Any]],
+    trial: Mapping[str, Any] | None,
+    questions: Sequence[str] = (),
 ) -> list[str]:
     """The finding of a video or a table in sentences; the first is the answer or a doubt.
 
@@ -86,6 +94,8 @@ def finding_of(
         The fits of `fits_of`, each with its numbers or an error.
     trial : mapping, optional
         The row of the trial table, if the pivot is driven.
+    questions : sequence of str
+        What must be asked before any number is said, as of `questions_of`.
     """
     drive, decay, restitution = (
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
@@ -107,7 +117,20 @@ def finding_of(
     seen = sum(flag_shares(table).get(flag, 0.0) for flag in MEASURED)
     if seen < _SEEN:
         sentences.append(_sentence("hardly_seen", share=f"{100.0 * seen:.0f} %"))
-    return sentences
+    return [*questions, *sentences]
+
+
+def questions_of(table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]]) -> list[Sentence]:
+    """Return questions about numbers that no pendulum on a table or a tower has.
+
+    Without a fit the length is that of a pendulum with the period of the swing.
+    """
+    values = {n: v for card in cards.values() for n, v in (card.get("values") or {}).items()}
+    sizes = {name: values[name]["value"] for name in _SIZES if name in values}
+    if not sizes:
+        period, _ = _period(table)
+        sizes = {"length": GRAVITY * (period / math.tau) ** 2} if math.isfinite(period) else {}
+    return size_questions(sizes)
 
 
 def _sentence(name: str, /, **values: Any) -> Sentence:
@@ -129,8 +152,11 @@ def answer_of(
     cards: Mapping[str, Mapping[str, Any]],
     trial: Mapping[str, Any] | None,
     apparatus: Apparatus,
+    questions: Sequence[str] = (),
 ) -> list[dict[str, Any]]:
     """Return the few numbers that a video was filmed for, in reading order.
+
+    There are none while a question is open, or where a fit does not describe the record.
 
     Parameters
     ----------
@@ -143,6 +169,8 @@ def answer_of(
     apparatus : Apparatus
         What was measured besides the video. With the length, gravity is a result; without it, the
         length is one, with the gravity of `fit_decay`, which is taken as exact.
+    questions : sequence of str
+        As in `finding_of`.
 
     Returns
     -------
@@ -161,6 +189,8 @@ def answer_of(
     drive, decay, restitution = (
         cards.get(name, {}).get("values") for name in ("drive", "decay", "restitution")
     )
+    if questions or _doubt(table, cards):
+        return []
     if drive:
         numbers = _of_drive(drive, trial)
     elif decay:

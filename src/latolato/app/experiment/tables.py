@@ -16,10 +16,11 @@ from latolato.experiment.importing import (
     is_track_file,
     parts_of,
     proposed_columns,
+    unit_questions,
     units_of,
     usual_columns,
 )
-from latolato.experiment.track_table import read_table
+from latolato.experiment.track_table import balls_of, read_table
 from latolato.io.tables.rules import broken as broken_table
 from latolato.io.tables.source import Section, SourceColumn, read_source
 from latolato.scenario.units import to_si
@@ -141,8 +142,10 @@ def _named(section: Section, column: SourceColumn, unit: str) -> str:
     return f"{name} [{unit}]" if unit and unit != column.unit else name
 
 
-def track_table_of(job: Mapping[str, Any], choices: Import | None) -> tuple[xr.Dataset, list[str]]:
-    """Return the track table that a page makes of an upload, and what had to be assumed.
+def track_table_of(
+    job: Mapping[str, Any], choices: Import | None
+) -> tuple[xr.Dataset, list[str], list[str]]:
+    """Return the track table that a page makes of an upload, what was assumed, and what is open.
 
     Without choices the upload is a track table itself.
 
@@ -154,8 +157,13 @@ def track_table_of(job: Mapping[str, Any], choices: Import | None) -> tuple[xr.D
     path = Path(job["path"])
     if choices is None:
         # Uploads have no suffix, by which formats are known.
-        return read_table(shutil.copyfile(path, path.with_name("own.csv"))), []
+        table = read_table(shutil.copyfile(path, path.with_name("own.csv")))
+        names = [f"angle_{ball}" for ball in range(1, balls_of(table) + 1)]
+        return table, [], unit_questions({name: table[name].values for name in names})
     notes: list[str] = []
-    table = import_table(path, choices.columns, notes=notes, **choices.arguments)
+    questions: list[str] = []
+    table = import_table(
+        path, choices.columns, notes=notes, questions=questions, **choices.arguments
+    )
     table.attrs["source"] = job["name"]
-    return table, notes
+    return table, notes, questions

@@ -6,7 +6,7 @@ import json
 import math
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -22,7 +22,7 @@ from latolato.app.experiment.description import (
     described,
     is_table,
 )
-from latolato.app.experiment.finding import answer_of, finding_of
+from latolato.app.experiment.finding import answer_of, finding_of, questions_of
 from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_row
 from latolato.app.experiment.store import COPY
 from latolato.app.experiment.tables import import_of, look_at_table, track_table_of
@@ -187,8 +187,8 @@ def import_(job: Job, tell: Tell) -> Result:
     tell("reading", 0.0)
     path, folder = Path(job["path"]), Path(job["folder"])
     choices = None if is_track_file(path) else import_of(path, description)
-    table, notes = track_table_of(job, choices)
-    result, models = _results(table, description, folder, None, tell)
+    table, notes, questions = track_table_of(job, choices)
+    result, models = _results(table, description, folder, None, tell, questions)
     kinds = [name for name, card in result["fits"].items() if "values" in card]
     about = (job["name"], choices, kinds, apparatus_of(description, table))
     code = [python_lines(*about), command_lines(*about)]
@@ -207,17 +207,22 @@ def _results(
     folder: Path,
     size: tuple[int, int] | None,
     tell: Tell,
+    questions: Sequence[str] = (),
 ) -> Result:
-    """Write a track table in place of an older one; return what it and the usual fits say."""
+    """Write a track table in place of an older one; return what it and the usual fits say.
+
+    `questions` are those that its import leaves.
+    """
     for old in EXPORTS:
         (folder / old).unlink(missing_ok=True)
     write_table(table, folder / TABLE)
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
     cards, models = fits_of(table, description, size)
+    asked = [*questions, *questions_of(table, cards)]
     result = {
-        "finding": finding_of(table, cards, trial),
-        "answer": answer_of(table, cards, trial, apparatus_of(description, table)),
+        "finding": finding_of(table, cards, trial, asked),
+        "answer": answer_of(table, cards, trial, apparatus_of(description, table), asked),
         "fits": cards,
         "trial": trial,
         "no_trial": why,

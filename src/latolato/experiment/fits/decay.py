@@ -610,7 +610,8 @@ def _equation_verdict(
         *_drag_words(estimates, law),
         said("dynamic_length", length=str(length), gravity=body.gravity),
     ]
-    words = [said("equation_gives", law=Word(law), numbers=joined(numbers, ", "))]
+    words = size_questions({"length": length.value})
+    words.append(said("equation_gives", law=Word(law), numbers=joined(numbers, ", ")))
     if body.length is not None:
         away = length.value / body.length - 1.0
         limit = max(3.0 * length.sigma / body.length, 0.003)
@@ -619,7 +620,6 @@ def _equation_verdict(
             if not -0.5 < away < 1.0:
                 share = said("times_what", ratio=1.0 / (1.0 + away))
             words.append(said("declared_length", length=body.length, share=share))
-    words += size_questions(estimates, "length")
     if solution.outliers:
         words.append(said("outliers", count=solution.outliers))
     return words

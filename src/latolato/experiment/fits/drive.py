@@ -553,7 +553,8 @@ def _main_words(
     amplitude = str(estimates["drive_amplitude"].scaled(1e3, "mm"))
     rates = at(estimates["drive_frequency"])
     moves = said("drive_moves", amplitude=amplitude, **rates, later=joined(later, ""), ramp=ramp)
-    return [moves, *size_questions(estimates, "drive_amplitude", "drive_frequency")]
+    sizes = {name: estimates[name].value for name in ("drive_amplitude", "drive_frequency")}
+    return [*size_questions(sizes), moves]
 
 
 def _rate_of(times: Floats) -> float | None:

@@ -325,9 +325,8 @@ def named(name: str, estimate: Estimate) -> Sentence:
     return joined([Word(quantity_of(name).long_name), str(estimate)])
 
 
-def size_questions(estimates: Mapping[str, Estimate], *names: str) -> list[Sentence]:
+def size_questions(numbers: Mapping[str, float]) -> list[Sentence]:
     """Return questions about those of some numbers that no experiment has, in SI units."""
-    numbers = {name: estimates[name].value for name in names}
     return [
         said(f"unusual_{name}", value=value)
         for name, value in numbers.items()

@@ -135,9 +135,9 @@ export class Setup {
   /**
    * Show how far a clip is, what can be done next, and what went wrong.
    * @param {import("./session.js").Clip} clip
-   * @param {string[]} unitless names of a table's columns whose unit is missing
+   * @param {string} lack what must be chosen before a table can be used, "" for nothing
    */
-  update(clip, unitless) {
+  update(clip, lack) {
     const isSetup = clip.mode === "setup";
     const { sheet } = clip;
     this.busy.hidden = clip.stage === null;
@@ -146,12 +146,11 @@ export class Setup {
     const text = stageText(clip);
     if (this.stage.textContent !== text) this.stage.textContent = text;
     this.body.hidden = !isSeen(clip);
-    this.isReady = isSeen(clip) && clip.stage === null && unitless.length === 0;
+    this.isReady = isSeen(clip) && clip.stage === null && lack === "";
     this.track.textContent = t(sheet ? "sheetUse" : clip.track ? "trackAgain" : "track");
     this.track.hidden = !isSetup;
-    this.hint.hidden = !isSetup || (sheet !== null && unitless.length === 0);
-    this.hint.textContent = sheet ? t("unitMissing", { names: unitless.map((name) => `“${name}”`).join(", ") })
-      : `${t("setupHint")} ${t(`circle_${clip.shape}`)}`;
+    this.hint.hidden = !isSetup || (sheet !== null && lack === "");
+    this.hint.textContent = sheet ? lack : `${t("setupHint")} ${t(`circle_${clip.shape}`)}`;
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !clip.track;
     this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;

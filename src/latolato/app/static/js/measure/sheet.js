@@ -98,13 +98,24 @@ export function choicesOf(sheet) {
 }
 
 /**
- * Return the names of columns without a unit of what they are: they cannot be used yet. Times on a clock have none.
+ * Return what must be chosen before a table can be used, as a sentence, "" for nothing: something that was measured,
+ * the other coordinate of a ball, and units.
  * @param {Sheet} sheet
  * @param {Record<string, string[]>} known the units that each role may have
  */
-export function withoutUnit({ parts, part, roles, units, isOwn }, known) {
-  return isOwn ? [] : parts[part].columns.filter(({ position, kind }) => kind !== "texts"
-    && known[roles[position]]?.length && !known[roles[position]].includes(units[position])).map(({ path }) => path);
+export function lackOf(sheet, known) {
+  const { parts, part, roles, units, isOwn } = sheet;
+  if (isOwn) return "";
+  if (!has(sheet, /^(angle|angular|ball|pivot)_/)) return t("rolesMissing");
+  const quoted = (/** @type {string[]} */ names) => names.map((name) => `\u201c${name}\u201d`).join(", ");
+  const others = Object.values(roles).filter((role) => role.startsWith("ball_"))
+    .map((role) => (role.endsWith("x") ? role.replace(/x$/, "y") : role.replace(/y$/, "x")))
+    .filter((role) => !has(sheet, new RegExp(`^${role}$`)));
+  if (others.length) return t("roleMissing", { names: quoted(others.map((role) => t(`role_${role}`))) });
+  // Times on a clock have no unit.
+  const unitless = parts[part].columns.filter(({ position, kind }) => kind !== "texts"
+    && known[roles[position]]?.length && !known[roles[position]].includes(units[position]));
+  return unitless.length ? t("unitMissing", { names: quoted(unitless.map(({ path }) => path)) }) : "";
 }
 
 /** The card that shows a table. */

@@ -14,7 +14,7 @@ import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
 import { isSeen, Session } from "./session.js";
 import { Setup } from "./setup.js";
-import { choicesOf, chosen, SheetCard, withoutUnit } from "./sheet.js";
+import { choicesOf, chosen, lackOf, SheetCard } from "./sheet.js";
 import { handlesOf, Tools, toolsOf } from "./tools.js";
 import { panelsOf } from "./track.js";
 
@@ -154,7 +154,7 @@ export class MeasureView {
 
   /** @param {Clip} clip whose set-up is shown */
   setUp(clip) {
-    this.setup?.update(clip, clip.sheet ? withoutUnit(clip.sheet, this.sheet?.roles ?? {}) : []);
+    this.setup?.update(clip, clip.sheet ? lackOf(clip.sheet, this.sheet?.roles ?? {}) : "");
   }
 
   /** @param {Clip | undefined} clip */
