@@ -14,7 +14,7 @@ from latolato.analysis.rules import broken_analysis
 from latolato.core.errors import InputError, Word, called, in_parts, joined
 from latolato.core.faults import refusal_of
 from latolato.core.parameters import flag_of
-from latolato.core.rules import RULES, broken_rule, either_of, sentence
+from latolato.core.rules import RULES, Rule, broken_rule, either_of, sentence
 from latolato.experiment.importing import TARGETS, import_table
 from latolato.experiment.parameters import VIDEO_PARAMETERS
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
@@ -158,3 +158,11 @@ def test_the_kind_of_an_error_can_be_another():
         pass
 
     assert type(broken_rule("switch", parameter="x", value=2, kind=OddError)) is OddError
+
+
+def test_sentences_write_numbers_as_people_do():
+    times = "\N{MULTIPLICATION SIGN}"
+    written = {8.2e-5: f"8.2 {times} 10⁻⁵", 3.63e7: f"3.6 {times} 10⁷", 260.0: "260", 0.25: "0.25"}
+    for number, text in written.items():
+        shown = sentence("cut", {"cut": Rule("at {number:.2g} m")}, number=number)
+        assert shown == f"at {text} m"

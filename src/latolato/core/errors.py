@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import importlib
 import json
+import math
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from pathlib import Path
+from string import Formatter
 from typing import Any, NamedTuple
 
 # Returns what a user calls a parameter; with a value, what sets the parameter to that.
@@ -84,6 +86,35 @@ def python_name(parameter: str, value: str = "") -> str:
     return f"{parameter}={value!r}" if value.isidentifier() else f"{parameter}={value}"
 
 
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+# From this power of ten on a number is written with it.
+_POWER = 6
+
+
+def as_read(number: str) -> str:
+    """Return a number that Python wrote as people write it in a sentence, with a power of ten.
+
+    Examples
+    --------
+    >>> as_read("2.6e+02"), as_read("-0.00"), as_read("8.2e-05")[-3:]
+    ('260', '0.00', '0⁻⁵')
+    """
+    digits, marked, power = number.partition("e")
+    if marked and not 0 <= int(power) < _POWER:
+        return f"{digits} \N{MULTIPLICATION SIGN} 10{str(int(power)).translate(_SUPERSCRIPTS)}"
+    text = f"{float(number):.0f}" if marked else number
+    return text.removeprefix("-") if not text.strip("-0.") else text
+
+
+class _Sentences(Formatter):
+    """Fills the gaps of sentences, with numbers as people write them."""
+
+    def format_field(self, value: Any, format_spec: str) -> str:
+        text: str = super().format_field(value, format_spec)
+        is_number = format_spec.endswith("g") and math.isfinite(value)
+        return as_read(text) if is_number else text
+
+
 class _Gaps(dict[str, Any]):
     """What stands in the gaps of a sentence.
 
@@ -111,7 +142,7 @@ def _filled(named: NamedRule, part: str, name_of: Naming) -> str:
         for gap, value in named.values.items()
     }
     template: str = getattr(named, part)
-    return template.format_map(_Gaps(values, name_of))
+    return _Sentences().vformat(template, (), _Gaps(values, name_of))
 
 
 def called(text: str, name_of: Naming) -> str:

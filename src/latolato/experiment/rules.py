@@ -71,7 +71,7 @@ RULES = {
     ),
     "decay_rate_is": Rule("decay rate {rate}"),
     "dynamic_length": Rule(
-        "length from the dynamics {length} (of a point, with g = {gravity:g} m/s^2 taken as exact)"
+        "length from the dynamics {length} (of a point, with g = {gravity:g} m/s² taken as exact)"
     ),
     "declared_length": Rule(
         "The declared length {length:g} m is {share} the dynamics give: check the length, gravity, "

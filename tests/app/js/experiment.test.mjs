@@ -22,8 +22,9 @@ test("the ends of an interval have the digits of the standard deviation", () => 
   assert.equal(toPlace(1.209257, 8.2e-6), "1.2092570");
   assert.equal(toPlace(-0.5, 0.01), "−0.500");
   assert.equal(toPlace(123456, 300), "123460");
-  assert.equal(toPlace(-3.14e-5, 2e-7), "−3.14e−5");
+  assert.equal(toPlace(-3.14e-5, 2e-7), "−3.14 × 10⁻⁵");
   assert.equal(toPlace(5, NaN), "5");
+  assert.equal(toPlace(-0.0002, 0.01), "0.000");
   // Sigma decides, also where the value is much smaller: both are read as one number.
   assert.equal(withSigma(3e-5, 0.01), "0.000 ± 0.010");
   assert.equal(toPlace(3e-5, 0.01), "0.000");
@@ -31,7 +32,7 @@ test("the ends of an interval have the digits of the standard deviation", () => 
   assert.equal(toPlace(3e-7, 5e-5), "0");
   // Below the place of that digit, 100, a value is rounded to it.
   assert.deepEqual([95, 60, 40, -60, -40].map((value) => toPlace(value, 3000)), ["100", "100", "0", "−100", "0"]);
-  assert.equal(toPlace(9.6e-7, 5e-5), "1e−6");
+  assert.equal(toPlace(9.6e-7, 5e-5), "1 × 10⁻⁶");
 });
 
 const track = (afterGaps = []) => new Track({

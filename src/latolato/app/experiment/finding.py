@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import Sentence
+from latolato.core.errors import Sentence, as_read
 from latolato.core.rules import Rule, sentence
 from latolato.experiment.fits.result import size_questions
 from latolato.experiment.period import period_of_ball
@@ -358,4 +358,5 @@ def plus_minus(value: float, error: float) -> str:
     if not (error > 0.0 and math.isfinite(error)):
         return f"{value:.3g}"
     places = max(-math.floor(math.log10(error)) + (1 if f"{error:.0e}"[0] == "1" else 0), 0)
-    return f"{value:.{places}f} ± {error:.{places}f}".replace("-", "\N{MINUS SIGN}")
+    number = as_read(f"{value:.{places}f}").replace("-", "\N{MINUS SIGN}")
+    return f"{number} ± {error:.{places}f}"

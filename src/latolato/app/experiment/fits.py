@@ -10,6 +10,7 @@ import numpy as np
 
 from latolato.app.blocks import pack
 from latolato.app.experiment.description import Description, apparatus_of
+from latolato.app.forms import units_of
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError, joined
 from latolato.experiment.fits import fits
@@ -91,11 +92,12 @@ def fit_of(
 
 
 def card_of(fit: Fit) -> dict[str, Any]:
-    """Return the numbers of a fit with label, symbol and unit."""
+    """Return the numbers of a fit with label, symbol and the unit in which people read them."""
     values = fit.to_dict()["values"]
     for name, value in values.items():
         quantity = quantity_of(name)
         value |= {"label": quantity.long_name, "symbol": quantity.symbol}
+        value["unit"] = units_of(quantity)[0]
     return {"kind": fit.kind, "verdict": fit.verdict, "values": values}
 
 

@@ -32,6 +32,7 @@ from latolato.experiment.fits.result import (
     make_fit,
     named,
     quantity_of,
+    shown,
     size_questions,
 )
 from latolato.experiment.fits.samples import (
@@ -608,7 +609,7 @@ def _equation_verdict(
     numbers = [
         said("small_period", period=str(estimates["period"])),
         *_drag_words(estimates, law),
-        said("dynamic_length", length=str(length), gravity=body.gravity),
+        said("dynamic_length", length=str(shown("length", length)), gravity=body.gravity),
     ]
     words = size_questions({"length": length.value})
     words.append(said("equation_gives", law=Word(law), numbers=joined(numbers, ", ")))

@@ -9,10 +9,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from latolato.core.errors import InputError, Sentence, Word, joined
+from latolato.core.errors import InputError, Sentence, Word, as_read, joined
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Registry, rebuild, suggest
 from latolato.experiment.rules import said
+from latolato.io.shown_units import SIZES
 from latolato.physics.drives import Drive, drives
 from latolato.physics.pendulum import System, systems
 from latolato.simulation.summary import plain
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
 TWO_SIDED = 1.959964
 # The least and the largest value that an experiment is likely to have.
 _USUAL = {"length": (5e-3, 70.0), "drive_frequency": (0.05, 2e3), "drive_amplitude": (1e-5, 1.0)}
+# Numbers without a power of ten: that of their first digit, and the most digits behind the point.
+_PLAIN, _MOST_PLACES = (-3, 5), 12
 # Endings of the variables that go with an estimate.
 _PARTS = {
     "sigma": "standard deviation of",
@@ -53,14 +56,18 @@ class Estimate:
 
     def __str__(self) -> str:
         if not (math.isfinite(self.value) and math.isfinite(self.sigma)) or self.sigma <= 0.0:
-            text = f"{self.value:.6g}"
+            text = as_read(f"{self.value:.6g}") if math.isfinite(self.value) else str(self.value)
         else:
+            largest = math.floor(math.log10(max(abs(self.value), self.sigma)))
+            # Small and large numbers as powers of ten.
+            power = 0 if _PLAIN[0] <= largest <= _PLAIN[1] else largest
+            value, sigma = (each / 10.0**power for each in (self.value, self.sigma))
             # Two digits of the deviation, and the value to the same place.
-            place = 1 - math.floor(math.log10(self.sigma))
-            largest = max(abs(self.value), self.sigma)
-            digits = max(1, place + 1 + math.floor(math.log10(largest)))
-            text = f"{self.value:.{digits}g} ± {self.sigma:.2g}"
-        return text if self.unit in ("", "1") else f"{text} {self.unit.replace('*', ' ')}"
+            places = min(max(1 - math.floor(math.log10(sigma)), 0), _MOST_PLACES)
+            text = f"{as_read(f'{value:.{places}f}')} ± {sigma:.{places}f}"
+            text = f"({text}){as_read(f'1e{power}').removeprefix('1')}" if power else text
+        unit = self.unit.replace("*", " ").replace("^2", "²")
+        return text if unit in ("", "1") else f"{text} {unit}"
 
     def shifted(self, by: float) -> Estimate:
         """Return the estimate of this quantity plus a known number."""
@@ -322,7 +329,16 @@ def make_fit(
 
 def named(name: str, estimate: Estimate) -> Sentence:
     """Return a number with the name of its quantity."""
-    return joined([Word(quantity_of(name).long_name), str(estimate)])
+    return joined([Word(quantity_of(name).long_name), str(shown(name, estimate))])
+
+
+def shown(name: str, estimate: Estimate) -> Estimate:
+    """Return an estimate of a quantity in the unit in which people read that."""
+    quantity = quantity_of(name)
+    size = SIZES.get(quantity.shown_unit)
+    if size is None or estimate.unit != quantity.unit:
+        return estimate
+    return estimate.scaled(1.0 / float(size), quantity.shown_unit)
 
 
 def size_questions(numbers: Mapping[str, float]) -> list[Sentence]:

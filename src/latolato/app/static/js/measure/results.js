@@ -3,10 +3,10 @@
 import { inputError } from "../page/api.js";
 import { el } from "../page/dom.js";
 import { inLanguage, sentenceInLanguage } from "../page/refusals.js";
-import { DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../page/unit_text.js";
+import { besideUnit, DEGREE, localShort, shownUnit, symbolParts, toPlace, withSigma } from "../page/unit_text.js";
 import { local, t, tr } from "../strings.js";
 
-/** @typedef {{value: number, sigma: number, low: number, high: number, units: string,
+/** @typedef {{value: number, sigma: number, low: number, high: number, unit: {name: string, size: number},
  *   label: string, symbol: string}} FitValue */
 /** @typedef {{kind: string, error?: Told, verdict?: Sentence | string, values?: Record<string, FitValue>,
  *   play?: Record<string, any>}} Fit */
@@ -21,17 +21,16 @@ import { local, t, tr } from "../strings.js";
  * @param {Fit} fit
  * @param {FitKind} kind
  * @param {Record<string, number>} truth of a synthetic clip
- * @param {any} registry
  * @param {(options: Record<string, any>) => void} play
  * @param {Node} again what does it once more
  */
-export function fitCard(fit, kind, truth, registry, play, again) {
+export function fitCard(fit, kind, truth, play, again) {
   const values = fit.values ?? {};
   const first = kind.headline.length > 0 ? kind.headline : Object.keys(values);
   const main = first.filter((name) => name in values);
   const rest = Object.keys(values).filter((name) => !main.includes(name));
   const table = (/** @type {string[]} */ names) =>
-    fitTable(tr(kind.title), names, values, truth, registry);
+    fitTable(tr(kind.title), names, values, truth);
   return el("section", { class: "card fit", "data-fit": fit.kind },
     el("h2", {}, tr(kind.title)), table(main),
     el("p", { class: "hint" }, told(fit.verdict ?? "")),
@@ -75,28 +74,24 @@ function told(text) {
  * @param {string[]} names
  * @param {Record<string, FitValue>} values
  * @param {Record<string, number>} truth
- * @param {any} registry
  */
-function fitTable(title, names, values, truth, registry) {
-  const compared = names.some((name) => name in truth);
-  const heads = ["quantity", "fitted", ...(compared ? ["truth"] : [])];
+function fitTable(title, names, values, truth) {
   return el("div", { class: "table-scroll", tabindex: "0", role: "region",
     "aria-label": title },
-  el("table", {}, head(heads),
+  el("table", {}, head(["quantity", "fitted"]),
     el("tbody", {}, ...names.map((name) => {
-      const { value, sigma, low, high, units, label, symbol } = values[name];
-      const unit = registry.options[name]?.units[0] ?? { name: units, size: 1 };
+      const { value, sigma, low, high, unit, label, symbol } = values[name];
       const inUnit = (/** @type {number} */ x) => x / unit.size;
       const unitText = shownUnit(unit.name);
-      const off = name in truth ? value / truth[name] - 1 : NaN;
+      const truthText = name in truth && t("truthIs", {
+        value: localShort(inUnit(truth[name]), 5), percent: percent(value / truth[name] - 1) });
       return el("tr", { "data-name": name, "data-value": String(value) },
         el("td", {}, `${tr(label)} `, el("i", {}, ...symbolParts(symbol).map(({ text, place }) =>
           (place === "line" ? text : el(place, {}, text))))),
         el("td", { class: "number" }, el("strong", {}, withSigma(inUnit(value), inUnit(sigma))),
-          ` ${unitText}`, el("small", {},
-            [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … "))),
-        compared && el("td", { class: "number" }, ...(name in truth
-          ? [el("span", {}, localShort(inUnit(truth[name]), 5)), el("small", {}, percent(off))] : [])));
+          besideUnit("", unitText), el("small", {},
+            [low, high].map((end) => toPlace(inUnit(end), inUnit(sigma))).join(" … ")),
+          truthText && el("small", {}, truthText)));
     }))));
 }
 

@@ -254,7 +254,7 @@ export class MeasureView {
       on: { click: () => void this.session.fit(clip, kind, this.description(clip)) } }, text);
     const fits = Object.values(clip.fits);
     const cards = fits.filter((fit) => !fit.error).map((fit) => fitCard(fit, this.kinds[fit.kind],
-      clip.truth, this.page.registry, (options) => this.play(options),
+      clip.truth, (options) => this.play(options),
       button(fit.kind, t("fitAgain"))));
     const balls = clip.track?.hasAngles ? clip.track.count : 0;
     const waiting = Object.values(this.kinds).filter((kind) =>

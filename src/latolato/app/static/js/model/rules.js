@@ -24,6 +24,8 @@ const ENGLISH = { sentence: () => undefined, word: (text) => text, label: python
 // A gap, and how many digits a number in it has.
 const GAP = /\{(@|@?\w+(?:=\w+)?)(?::(?:\.(\d+))?(g))?\}/g;
 const DIGITS = 6;
+// From this power of ten on a number in a sentence is written with it.
+const POWER = 6;
 
 /**
  * Return what Python calls a parameter, or what sets it to a word or a number.
@@ -73,7 +75,7 @@ export function say(sentence, language = ENGLISH) {
     }
     const value = values[gap];
     if (value === undefined) return whole;
-    if (typeof value === "number" && digits[gap]) return general(value, digits[gap]);
+    if (typeof value === "number" && digits[gap]) return asRead(general(value, digits[gap]));
     if (typeof value !== "object") return String(value);
     return "word" in value ? language.word(value.word) : say(value, language);
   });
@@ -196,6 +198,26 @@ export function literal(value) {
   if (Array.isArray(value)) return `[${value.map(literal).join(", ")}]`;
   if (typeof value !== "object") return String(value);
   return `{${Object.entries(value).map((pair) => pair.map(literal).join(": ")).join(", ")}}`;
+}
+
+/**
+ * Return a number that a program wrote as people write it in a sentence, as `latolato.core.errors.as_read`.
+ * @param {string} number
+ */
+export function asRead(number) {
+  const [digits, power] = number.split("e");
+  if (power !== undefined && !(Number(power) >= 0 && Number(power) < POWER))
+    return `${digits} × 10${superscript(Number(power))}`;
+  const text = power === undefined ? number : String(Number(number));
+  return /^-[0.]*$/.test(text) ? text.slice(1) : text;
+}
+
+/**
+ * Return the exponent of a power of ten as it stands above the line.
+ * @param {number} power
+ */
+export function superscript(power) {
+  return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
 }
 
 /**

@@ -1,5 +1,6 @@
 /** Numbers and units as people write them. */
 
+import { asRead, superscript } from "../model/rules.js";
 import { local } from "../strings.js";
 
 /** @typedef {{name: string, size: number}} Unit */
@@ -84,7 +85,7 @@ export function localShort(value, digits) {
  * @returns {string}
  */
 export function withSigma(value, sigma) {
-  const minus = (/** @type {string} */ text) => local(text.replace("-", "−"));
+  const minus = (/** @type {string} */ text) => local(asRead(text).replace("-", "−"));
   if (!Number.isFinite(value)) return "–";
   if (!(sigma > 0) || !Number.isFinite(sigma)) return minus(short(value));
   const largest = Math.floor(Math.log10(Math.max(Math.abs(value), sigma)));
@@ -103,21 +104,16 @@ export function withSigma(value, sigma) {
  * @returns {string}
  */
 export function toPlace(value, sigma) {
-  const minus = (/** @type {string} */ text) => text.replaceAll("-", "−");
+  const minus = (/** @type {string} */ text) => local(asRead(text).replace("-", "−"));
   const digits = 1 - Math.floor(Math.log10(sigma));
   if (digits >= 0 && digits <= 12 && Math.max(Math.abs(value), sigma) >= SMALL)
-    return minus(local(value.toFixed(digits)));
+    return minus(value.toFixed(digits));
   // Small and large numbers as powers of ten, with the figures down to that place.
   const steps = Math.round(value * 10 ** digits);
   if (steps === 0) return "0";
-  if (!Number.isFinite(steps)) return minus(localShort(value, 5));
+  if (!Number.isFinite(steps)) return minus(short(value, 5));
   const figures = Math.floor(Math.log10(Math.abs(steps))) + 1;
-  return minus(localShort(steps / 10 ** digits, Math.min(figures, 12)));
-}
-
-/** @param {number} power */
-function superscript(power) {
-  return String(power).replace(/./g, (c) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(c)]);
+  return minus(short(steps / 10 ** digits, Math.min(figures, 12)));
 }
 
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
