@@ -5,6 +5,7 @@ What a language lacks is named as JSON to fill in: see docs/how-to/translate.md.
 
 from __future__ import annotations
 
+import ast
 import json
 import re
 import subprocess
@@ -18,6 +19,7 @@ import pytest
 
 from app_pages import enter, new_context, open_view
 from latolato.analysis.rules import RULES as OF_ANALYSES
+from latolato.analysis.time_crystal import CAUTION
 from latolato.app import STATIC
 from latolato.app.analyse.forms import forms as analyses
 from latolato.app.analyse.forms import label_of
@@ -25,6 +27,7 @@ from latolato.app.experiment.description import fields, fit_kinds
 from latolato.app.experiment.finding import FINDINGS
 from latolato.app.forms import registry
 from latolato.app.rules import RULES as OF_WORK
+from latolato.core.quantities import QUANTITIES
 from latolato.core.rules import RULES
 from latolato.experiment.fits.decay import LAWS
 from latolato.experiment.fits.result import quantity_of
@@ -49,6 +52,35 @@ WORDS = (
     # of fits, of the largest videos, and of tables
     *LAWS, "s", "pixels", "frames", "bytes", "table", "tables",
     *(kind.name for kind in KINDS), *DELIMITER_NAMES.values(),
+)  # fmt: skip
+# Words in results of analyses: what became of them, kinds of events, balls, systems.
+RESULTS = (
+    "all at once", "any push", "aperiodic", "ballpair", "bottom", "branch point", "broad", "broken",
+    "chaotic", "closed", "complete", "contradicted", "converged", "cusp", "degenerate",
+    "degenerate pitchfork", "down", "drifting", "end of range", "event limit", "failed", "fold",
+    "fold flip", "found", "generalised flip", "grazing", "hysteresis", "interrupted", "invalid",
+    "inverted", "latolato", "left", "lift off", "locked", "longer period", "lost", "marginal",
+    "mathieu", "meets flip", "meets fold", "neutral", "never stable", "no answer", "no hysteresis",
+    "no impacts", "no motion", "no subharmonic", "no upper branch", "no upper edge",
+    "no upper limit", "none passed", "not exponential", "not found", "not reached", "not settled",
+    "out of reach", "outside model", "passed", "pendulum", "period doubling", "periodic", "points",
+    "push", "reached from rest", "regular", "release", "resonance 1:1", "resonance 1:2", "rest",
+    "rest ends", "right", "self-start", "singular", "slack", "slack onset", "slackens", "stable",
+    "symmetry breaking", "taut", "top", "torus", "transient", "undecided", "unresolved", "unstable",
+    "up", "valid", "without value",
+)  # fmt: skip
+# Quantities that analyses return, and what their code calls others by parts.
+RETURNED = (
+    "angle", "angular_velocity", "angular_velocity_after", "distance", "growth_rate",
+    "radial_velocity", "slack", "threshold_angle", "time", "dwell_time",
+)  # fmt: skip
+COMPOSED = (
+    "drive phase at the next impact", "drive periods after the transient",
+    *(f"first push ({push})" for push in ("angular velocity", "angle")),
+    *(f"share of {cells}{end}" for cells in ("all cells", "the cells not at rest")
+      for end in ("", ", low end", ", high end")),
+    *(f"initial {name} there{ball}" for name in ("angle", "angular velocity")
+      for ball in ("", ", right", ", left")),
 )  # fmt: skip
 # Numbers that fits give, and columns that they need.
 NUMBERS = (
@@ -130,6 +162,25 @@ def texts_of_analyses() -> Iterator[str]:
         yield label_of(name, axis["unit"])
 
 
+def texts_of_results() -> Iterator[str]:
+    """Yield what tables and pictures of analyses say."""
+    for path in STATIC.parents[1].rglob("*.py"):
+        for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):
+                is_label = call.func.id == "Quantity" and path.parent.name == "analysis"
+                said = call.args[2:3] if is_label else call.args[: call.func.id == "tr"]
+                yield from texts_in(said)
+    yield from (*RESULTS, *COMPOSED, CAUTION, *(QUANTITIES[name].long_name for name in RETURNED))
+
+
+def texts_in(said: list[ast.expr]) -> Iterator[str]:
+    """Yield the texts of an argument, which may choose between two."""
+    for each in said:
+        for part in (each.body, each.orelse) if isinstance(each, ast.IfExp) else (each,):
+            if isinstance(part, ast.Constant) and isinstance(part.value, str):
+                yield part.value
+
+
 def texts_of_measure() -> Iterator[str]:
     """Yield what Measure calls its fields, its fits and the numbers that it shows first."""
     for field in fields().values():
@@ -183,6 +234,7 @@ def needed_texts() -> list[str]:
     texts = [
         *texts_of_registry(),
         *texts_of_analyses(),
+        *texts_of_results(),
         *texts_of_measure(),
         *texts_of_stories(stories),
         *WORDS,

@@ -177,6 +177,13 @@ def test_all_answers_and_their_absence_are_drawn_within_the_page(case, tmp_path)
         assert status.item() in texts(figure)
 
 
+def test_the_unit_circle_is_seen_and_an_arrow_points_at_a_multiplier_far_outside():
+    plane = ll.plot(multipliers([-71.25, 0.01], "unstable")).axes[0]
+    assert plane.get_xlim() == plane.get_ylim() == (-2.7, 2.7)
+    (arrow,) = [text for text in plane.texts if text.arrow_patch]
+    assert arrow.xy == pytest.approx((-2.7, 0.0))
+
+
 def test_stable_and_unstable_pieces_of_a_branch_meet_in_the_special_points():
     figure = ll.plot(CASES["branch"])
     lines = [line for line in figure.axes[0].lines if len(line.get_xdata()) > 1]

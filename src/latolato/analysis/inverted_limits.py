@@ -87,7 +87,6 @@ def inverted_limits(
         quantities={
             "low": Quantity("m", "A_{low}", "least amplitude that holds it upright"),
             "high": Quantity("m", "A_{high}", "largest amplitude that holds it upright"),
-            "status": Quantity("1", "", "what was found"),
         },
         settings=waveform_of(problem.template),
     )

@@ -128,7 +128,6 @@ def self_start(
         system=system,
         quantities={
             "simulated_amplitude": Quantity("m", "A_0", "driving amplitude that lifts in a run"),
-            "status": Quantity("1", "", "what was found"),
         },
         settings=waveform_of(template),
     )

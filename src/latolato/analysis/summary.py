@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from latolato.core.language import local, spoken, tr
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -58,24 +60,29 @@ def _text_of(variable: xr.DataArray) -> str:
     values, unit = variable.values, str(variable.attrs.get("units", "1"))
     tail = "" if unit == "1" else f" {unit}"
     if values.size == 0:
-        return "none"
+        return tr("none")
     if values.dtype.kind in "OUS" and values.size > _FEW:
         names, counts = np.unique(values.astype(str), return_counts=True)
-        return ", ".join(f"{n} {name}" for name, n in zip(names, counts, strict=True))
+        return ", ".join(f"{n} {spoken(name)}" for name, n in zip(names, counts, strict=True))
     if values.dtype.kind == "f" and np.isnan(values).all() and values.ndim == 0:
-        return "none"
+        return tr("none")
     if values.ndim == 0 or (values.size <= _FEW and values.ndim == 1):
         return ", ".join(_number(value) for value in values.ravel().tolist()) + tail
-    shape = " x ".join(f"{name} {n}" for name, n in zip(variable.dims, values.shape, strict=True))
+    count = " \N{MULTIPLICATION SIGN} ".join(map(str, values.shape))
+    many = tr("{count} values", count=count)
     if values.dtype.kind in "OUS":
-        return f"{', '.join(values.ravel().tolist())} (over {shape})"
-    what = "moduli " if values.dtype.kind == "c" else ""
-    low, high = _range(np.abs(values) if what else values)
+        return f"{', '.join(map(spoken, values.ravel().tolist()))} ({many})"
     lost = int(np.isnan(values).sum())
-    missing = f", {lost} without value" if lost else ""
     if lost == values.size:
-        return f"none (over {shape})"
-    return f"{what}{_number(low)} to {_number(high)}{tail} (over {shape}{missing})"
+        return f"{tr('none')} ({many})"
+    if lost:
+        many += ", " + tr("{count} without value", count=lost)
+    is_complex = values.dtype.kind == "c"
+    low, high = map(_number, _range(np.abs(values) if is_complex else values))
+    ends = tr("moduli {low} to {high}" if is_complex else "{low} to {high}", low=low, high=high)
+    if low == high and not is_complex:
+        ends = low
+    return f"{ends}{tail} ({many})"
 
 
 def _range(values: Any) -> tuple[float, float]:
@@ -89,10 +96,13 @@ def _range(values: Any) -> tuple[float, float]:
 def _number(value: Any) -> str:
     """Return one value as text."""
     if isinstance(value, complex):
-        return f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
+        text = f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
+        return local(text)
     if isinstance(value, float):
-        return "no value" if math.isnan(value) else f"{value:.6g}"
-    return str(value)
+        if math.isnan(value):
+            return tr("no value")
+        return local(f"{value:.6g}").replace("inf", "\N{INFINITY}")
+    return spoken(str(value))
 
 
 def _plain(value: Any) -> Any:

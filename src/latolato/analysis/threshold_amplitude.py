@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 from latolato.analysis.linear import RATIOS, linearised, threshold, waveform_of
 from latolato.analysis.registry import analyses, labelled, warn
-from latolato.core.quantities import POSITIVE, Quantity
+from latolato.core.quantities import POSITIVE
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
 
@@ -85,6 +85,5 @@ def threshold_amplitude(
     return labelled(
         {"drive_amplitude": amplitude, "status": status},
         system=system,
-        quantities={"status": Quantity("1", "", "what was found")},
         settings=waveform_of(problem.template),
     )

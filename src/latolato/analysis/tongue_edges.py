@@ -19,7 +19,6 @@ _LARGEST_ORDER = 100
 QUANTITIES_OF_EDGES = {
     "low": Quantity("1", r"\omega_{low}/\omega_0", "lower edge of the tongue"),
     "high": Quantity("1", r"\omega_{high}/\omega_0", "upper edge of the tongue"),
-    "status": Quantity("1", "", "what was found"),
 }
 
 

@@ -6,7 +6,6 @@ observable or scenario appears in the forms by itself.
 
 from __future__ import annotations
 
-import json
 import math
 import re
 import threading
@@ -17,7 +16,9 @@ from pathlib import Path
 from typing import Any
 
 from latolato.app import CURVES, STATIC
+from latolato.app.languages import languages
 from latolato.app.run_request import options_of
+from latolato.core.language import spoken
 from latolato.core.parameters import Parameter, law_parameters
 from latolato.core.quantities import QUANTITIES, UNITS, Quantity, quantity_of
 from latolato.core.rules import RULES
@@ -105,30 +106,22 @@ def _registry() -> dict[str, Any]:
         "ratios": RATIOS,
         "rules": {name: rule._asdict() for name, rule in RULES.items()},
         "alternatives": [sorted(group) for group in ALTERNATIVES],
-        "languages": _languages(),
+        "languages": languages(),
         "curves": {
-            "kinds": {kind: _in_words(kind) | {"colour": c} for kind, c in COLOURS.items()},
-            "marks": {kind: _in_words(kind) | {"mark": mark} for kind, mark in MARKS.items()},
+            "kinds": {
+                kind: {"label": spoken(kind).capitalize(), "colour": c}
+                for kind, c in COLOURS.items()
+            },
+            "marks": {
+                kind: {"label": spoken(kind).capitalize(), "mark": mark}
+                for kind, mark in MARKS.items()
+            },
         },
         "trials": {"columns": COLUMN_UNITS, **asdict(MotionClass())},
         **unit_table(),
     }
     result: dict[str, Any] = plain(results)
     return result
-
-
-def _in_words(name: str) -> dict[str, str]:
-    words = re.sub(r"(\d)_(\d)", r"\1:\2", name).replace("_", " ")
-    return {"label": words.capitalize()}
-
-
-def _languages() -> dict[str, Any]:
-    """Return the languages of the pages by their codes: each that has a file."""
-    languages = {}
-    for path in sorted((STATIC / "languages").glob("*.json")):
-        table = json.loads(path.read_text(encoding="utf-8"))
-        languages[path.stem] = {"name": table["name"], "beta": table.get("beta", False)}
-    return languages
 
 
 def pretty(text: str) -> str:

@@ -19,6 +19,7 @@ import numpy as np
 from latolato.app import STATIC, kernels_folder
 from latolato.app.blocks import pack
 from latolato.app.forms import registry
+from latolato.app.languages import text_of
 from latolato.app.run_request import MOST_SAMPLES
 from latolato.app.runs import about, arrays_of
 from latolato.app.site import without_descriptions
@@ -70,9 +71,6 @@ def play(run: xr.Dataset, *, language: str = "en") -> Any:
         If the dataset is no run, or pages do not have the language.
         Without the extra `notebook`.
     """
-    known = registry()["languages"]
-    if language not in known:
-        raise InputError(f"must be one of {', '.join(known)}", parameter="language", value=language)
     return _widget_class()(run, language)
 
 
@@ -122,7 +120,7 @@ def _widget_class() -> Any:
 
         def __init__(self, run: xr.Dataset, language: str) -> None:
             self._run = run
-            texts = {"language": language, "texts": _texts(language)} if language != "en" else {}
+            texts = {"language": language, "texts": text_of(language)} if language != "en" else {}
             super().__init__(block=block_of(run), **texts)
 
         @property
@@ -144,11 +142,6 @@ def _widget_class() -> Any:
             return result
 
     return PlayerWidget
-
-
-def _texts(language: str) -> str:
-    """Return the file of a language."""
-    return (STATIC / "languages" / f"{language}.json").read_text(encoding="utf-8")
 
 
 @lru_cache(maxsize=1)
@@ -223,7 +216,7 @@ def _content() -> str:
     held = {path: (kernels / name).read_bytes().decode("latin-1") for path, name in files.items()}
     held |= {path: _letters((STATIC / path).read_text("utf-8")) for path in SHEETS}
     held["kernels/layout.json"] = (kernels / "layout.json").read_text("utf-8")
-    held["languages/en.json"] = _letters(_texts("en"))
+    held["languages/en.json"] = _letters(text_of("en"))
     held["registry.json"] = _letters(json.dumps(_registry()))
     return f"""const FILES = {json.dumps(held, ensure_ascii=False)};
 export async function contentOf(path) {{

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.language import spoken, tr
 from latolato.core.registry import suggest
 from latolato.figures import contours, style, word_classes
 from latolato.figures import overlays as marks
@@ -269,6 +270,7 @@ class Drawing:
             return (low / 2.0, high * 2.0) if self.log else (low - 0.5, high + 0.5)
         return low, high
 
+    @style.styled
     def map(
         self,
         overlays: Sequence[str | xr.Dataset],
@@ -281,30 +283,28 @@ class Drawing:
         y, x = self.sides
         if points or any(isinstance(each, str) for each in overlays):
             context = marks.Context.of(self.grid, x.name, y.name)
-        with style.use_style():
-            figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
-            axes = panels[0, 0]
-            self._draw_cells(axes, look)
-            handles = self._legend_of_cells() + self._outline(axes)
-            for side, axis in zip(self.sides, ("y", "x"), strict=True):
-                if side.is_log:
-                    getattr(axes, f"set_{axis}scale")("log")
-                    _number(getattr(axes, f"{axis}axis"), side)
-                side.label(getattr(axes, f"{axis}axis"))
-                edges = side.edges
-                getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
-            if look.lines:
-                handles.append(contours.draw(axes, look.lines, look.unit, look.label))
-            for each in overlays:
-                if context is not None and isinstance(each, str):
-                    handles.append(marks.draw(axes, context, each))
-                elif not isinstance(each, str):
-                    handles += marks.draw_curve(axes, self.grid, (x.name, y.name), each)
-            if context is not None and points is not None:
-                handles += marks.draw_points(axes, context, points)
-            _finish(figure, axes, self.title, handles)
-            figure.draw_without_rendering()
-            return figure
+        figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
+        axes = panels[0, 0]
+        self._draw_cells(axes, look)
+        handles = self._legend_of_cells() + self._outline(axes)
+        for side, axis in zip(self.sides, ("y", "x"), strict=True):
+            if side.is_log:
+                getattr(axes, f"set_{axis}scale")("log")
+                _number(getattr(axes, f"{axis}axis"), side)
+            side.label(getattr(axes, f"{axis}axis"))
+            edges = side.edges
+            getattr(axes, f"set_{axis}lim")(float(edges[0]), float(edges[-1]))
+        if look.lines:
+            handles.append(contours.draw(axes, look.lines, look.unit, look.label))
+        for each in overlays:
+            if context is not None and isinstance(each, str):
+                handles.append(marks.draw(axes, context, each))
+            elif not isinstance(each, str):
+                handles += marks.draw_curve(axes, self.grid, (x.name, y.name), each)
+        if context is not None and points is not None:
+            handles += marks.draw_points(axes, context, points)
+        _finish(figure, axes, self.title, handles)
+        return figure
 
     def _draw_cells(self, axes: Axes, look: Look) -> None:
         """Draw the cells and their colour bar."""
@@ -351,6 +351,7 @@ class Drawing:
         entries = []
         for number, (text, colour) in enumerate(self.classes.items()):
             count = np.count_nonzero(self.values == number)
+            text = tr(text)
             if self.name == "contact_word":
                 text = f"{text} ({100.0 * count / self.values.size:.1f} %)"
             if self.name != "status" or count:
@@ -358,21 +359,24 @@ class Drawing:
         nothing = np.isnan(self.values)
         late, lost = nothing & (self.status < 0), nothing & (self.status >= 0)
         if lost.any():
-            entries.append(style.swatch(NO_ANSWER, f"no answer ({self._reasons(lost)})"))
+            entries.append(style.swatch(NO_ANSWER, self._without_answer(lost)))
         if late.any():
-            entries.append(style.swatch(NOT_YET, f"not computed yet ({int(late.sum())})"))
+            text = tr("not computed yet ({count})", count=int(late.sum()))
+            entries.append(style.swatch(NOT_YET, text))
         if self.log and (self.values == 0.0).any():
-            entries.append(style.swatch(ZERO, "zero"))
+            entries.append(style.swatch(ZERO, tr("zero")))
         return entries
 
-    def _reasons(self, lost: NDArray[np.bool_]) -> str:
+    def _without_answer(self, lost: NDArray[np.bool_]) -> str:
         """Return how many points of a mask have no answer, by status."""
         if self.words is None:
             answers = ["without value"] * EVENT_LIMIT
             words = np.array([*answers, *STATUS_NAMES[EVENT_LIMIT:]])[self.status[lost]]
         else:
             words = self.words[lost]
-        return ", ".join(f"{n} {word.replace('_', ' ')}" for word, n in Counter(words).items())
+        counts = Counter(words).items()
+        reasons = ", ".join(f"{n} {spoken(word)}" for word, n in counts)
+        return tr("no answer ({reasons})", reasons=reasons)
 
     def _outline(self, axes: Axes) -> list[Any]:
         """Outline all statuses of an analysis but the most frequent one; return legend entries."""
@@ -394,10 +398,12 @@ class Drawing:
                 linestyles=look,
             )  # fmt: skip
             lines.set_path_effects(halo)
-            text = f"{word} ({100.0 * count / self.words.size:.0f} % of the cells)"
+            share = f"{100.0 * count / self.words.size:.0f}"
+            text = tr("{word} ({share} % of the cells)", word=tr(word), share=share)
             handles.append(Line2D([], [], color=style.INK, lw=style.LINE, ls=look, label=text))
         return handles
 
+    @style.styled
     def curves(self) -> Figure:
         """Return curves over the longer dimension, or over the one of numbers beside text."""
         values, sides = self.values, self.sides
@@ -411,46 +417,44 @@ class Drawing:
                 value=len(values),
                 way_out="leave out curves for a map, or select a value",
             )
-        with style.use_style():
-            figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
-            axes = panels[0, 0]
-            along = sides[1]
-            few = len(along.values) <= 60
-            handles: list[Any] = []
-            names = [sides[0].name_of(i) for i in range(len(values))] if len(values) > 1 else [""]
-            shades = zip(names, _shades(len(names)), strict=True)
-            colours = [WAYS.get(name, shade) for name, shade in shades]
-            if self.words is not None and len(values) == 1:
-                colours = [style.GREY]
-                handles = _mark_statuses(axes, along.values, values[0], self.words)
-            for name, colour, row in zip(names, colours, values, strict=True):
-                (line,) = axes.plot(
-                    along.values,
-                    row,
-                    color=colour,
-                    lw=0.0 if along.words else style.LINE,
-                    marker="o" if few else "",
-                    ms=2.5,
-                    label=name,
-                )
-                handles += [line] if name else []
-            if np.nanmin(values, initial=0.0) < 0.0 < np.nanmax(values, initial=0.0):
-                axes.axhline(0.0, color=style.INK, lw=style.THIN, zorder=1)
-            if not np.isfinite(values).all():
-                self._mark_missing(axes, along, values, handles)
-            if along.is_log:
-                axes.set_xscale("log")
-            if self.log:
-                axes.set_yscale("log")
-            ends = along.edges if along.words or len(along.values) == 1 else along.values
-            axes.set_xlim(float(ends[0]), float(ends[-1]))
-            along.label(axes.xaxis)
-            style.show_unit(axes.yaxis, self.data)
-            if self.classes:
-                axes.set_yticks(range(len(self.classes)), list(self.classes))
-            _finish(figure, axes, self.title, handles)
-            figure.draw_without_rendering()
-            return figure
+        figure, panels = style.new_figure(width=0.75 * style.PAGE, height=_HEIGHT)
+        axes = panels[0, 0]
+        along = sides[1]
+        few = len(along.values) <= 60
+        handles: list[Any] = []
+        names = [sides[0].name_of(i) for i in range(len(values))] if len(values) > 1 else [""]
+        shades = zip(names, _shades(len(names)), strict=True)
+        colours = [WAYS.get(name, shade) for name, shade in shades]
+        if self.words is not None and len(values) == 1:
+            colours = [style.GREY]
+            handles = _mark_statuses(axes, along.values, values[0], self.words)
+        for name, colour, row in zip(names, colours, values, strict=True):
+            (line,) = axes.plot(
+                along.values,
+                row,
+                color=colour,
+                lw=0.0 if along.words else style.LINE,
+                marker="o" if few else "",
+                ms=2.5,
+                label=tr(name),
+            )
+            handles += [line] if name else []
+        if np.nanmin(values, initial=0.0) < 0.0 < np.nanmax(values, initial=0.0):
+            axes.axhline(0.0, color=style.INK, lw=style.THIN, zorder=1)
+        if not np.isfinite(values).all():
+            self._mark_missing(axes, along, values, handles)
+        if along.is_log:
+            axes.set_xscale("log")
+        if self.log:
+            axes.set_yscale("log")
+        ends = along.edges if along.words or len(along.values) == 1 else along.values
+        axes.set_xlim(float(ends[0]), float(ends[-1]))
+        along.label(axes.xaxis)
+        style.show_unit(axes.yaxis, self.data)
+        if self.classes:
+            axes.set_yticks(range(len(self.classes)), [tr(each) for each in self.classes])
+        _finish(figure, axes, self.title, handles)
+        return figure
 
     def _mark_missing(self, axes: Axes, along: Side, values: Floats, handles: list[Any]) -> None:
         """Mark where curves have no value by ticks at the bottom."""
@@ -464,7 +468,7 @@ class Drawing:
             ms=8,
             ls="",
             clip_on=False,
-            label=f"no answer ({self._reasons(~np.isfinite(self.values))})",
+            label=self._without_answer(~np.isfinite(self.values)),
         )
         handles.append(ticks)
 
@@ -497,7 +501,7 @@ def _mark_statuses(axes: Axes, x: Floats, y: Floats, words: NDArray[np.str_]) ->
         mask = (words == word) & np.isfinite(y)
         if not mask.any():
             continue
-        handles += axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=word, zorder=3)
+        handles += axes.plot(x[mask], y[mask], "o", ms=3.0, color=colour, label=tr(word), zorder=3)
     return handles
 
 

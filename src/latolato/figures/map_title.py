@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
+from latolato.core.language import spoken, tr
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import overlays as marks
 from latolato.figures import style
@@ -36,11 +37,11 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
     varied.add(attributes.get("parameter", ""))  # that a branch is followed along
     if attributes.get("analysis") == "bifurcation_curve":
         varied |= set(attributes["parameters"])
-    words = [f"{attributes.get('system', 'sweep')}"]
+    words = [tr(str(attributes.get("system", "sweep")))]
     if attributes.get("suspension") == "string":
-        words[0] += " on strings"
+        words[0] = tr("{system} on strings", system=words[0])
     if attributes.get("drag_frame") == "lab":
-        words.append("in air at rest in the room")
+        words.append(tr("in air at rest in the room"))
     targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
     others = []
     for name in (*_PARAMETERS, *_OF_VARIABLE.get(variable, ())):
@@ -53,9 +54,9 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
             continue
         others.append(in_words(grid, name, float(value)))
     if attributes.get("contact") == "clamp":
-        words.append("a fixed-step artefact")
+        words.append(tr("a fixed-step artefact"))
     if attributes.get("continuation"):
-        words.append(f"following {attributes['continuation']}")
+        words.append(tr("following {name}", name=attributes["continuation"]))
     first = ", ".join([*words, *selection.values()])
     lines, line = [], first
     for word in others:
@@ -82,5 +83,5 @@ def in_words(grid: xr.Dataset, name: str, value: float) -> str:
         unit = "rad"
     if name == "transient":
         unit = "s"
-    head = f"${symbol}$" if symbol else name.replace("_", " ")
+    head = f"${symbol}$" if symbol else spoken(name)
     return f"{head} = {style.shown_value(name, value, unit)}"

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.language import tr
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -43,7 +44,7 @@ class Side:
         about = {"long_name": self.name, **self.attributes}
         style.show_unit(axis, xr.DataArray(self.values, name=self.name, attrs=about))
         if self.words:
-            axis.set_ticks(self.values, self.words)
+            axis.set_ticks(self.values, [tr(word) for word in self.words])
 
     def name_of(self, index: int) -> str:
         """Return a value in words: ``$A_0$ = 20 mm``, or the text itself."""

@@ -9,14 +9,15 @@ import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ParamSpec
 
 import numpy as np
 from numpy.typing import NDArray
 
 from latolato.core.atomic import atomic_path
 from latolato.core.errors import InputError
-from latolato.core.quantities import quantity_of
+from latolato.core.language import local, tr
+from latolato.core.quantities import QUANTITIES, quantity_of
 from latolato.io.shown_units import SIZES
 
 if TYPE_CHECKING:
@@ -24,6 +25,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.axis import Axis
     from matplotlib.figure import Figure
+
+P = ParamSpec("P")
 
 PAGE = 7.0  # width of a page [inch]
 # Height of one row of panels [inch].
@@ -224,12 +227,18 @@ def label(variable: xr.DataArray, *, short: bool = False, unit: str = "") -> str
     name, symbol, units = (
         str(variable.attrs.get(key, "")) for key in ("long_name", "symbol", "units")
     )
-    words = [] if short and symbol else [name]
+    words = [] if short and symbol else [tr(name)]
     if symbol:
         words.append(f"${symbol}$")
     if units not in ("", "1"):
         words.append(f"[{unit or pretty_unit(units)}]")
     return " ".join(word for word in words if word)
+
+
+def label_of(name: str) -> str:
+    """Return the axis label of a quantity that is a plain number, by its name."""
+    quantity = QUANTITIES[name]
+    return f"{tr(quantity.long_name)} ${quantity.symbol}$"
 
 
 def pretty_unit(unit: str) -> str:
@@ -464,16 +473,45 @@ def note(
     )
 
 
-def styled(draw: Callable[[xr.Dataset], Figure]) -> Callable[[xr.Dataset], Figure]:
-    """Return `draw`, a figure's drawing function, made to run inside `use_style`."""
+def styled(draw: Callable[P, Figure]) -> Callable[P, Figure]:
+    """Return `draw`, a figure's drawing function, made to run inside `use_style`.
+
+    Its numbers get the decimal sign of the language that is spoken.
+    """
     import functools
 
     @functools.wraps(draw)
-    def inside(dataset: xr.Dataset) -> Figure:
+    def inside(*args: P.args, **options: P.kwargs) -> Figure:
         with use_style():
-            figure = draw(dataset)
+            figure = draw(*args, **options)
+            _localise(figure)
             # Lays the panels out under the style, whatever is in force when the figure is shown.
             figure.draw_without_rendering()
             return figure
+
+    return inside
+
+
+def _localise(figure: Figure) -> None:
+    """Give texts and ticks of a figure the decimal sign of the language that is spoken."""
+    from matplotlib.axis import Axis
+    from matplotlib.text import Text
+
+    if local("0.5") == "0.5":
+        return
+    for text in figure.findobj(Text):
+        text.set_text(local(text.get_text()))
+    for axis in figure.findobj(Axis):
+        formatter: Any = axis.get_major_formatter()
+        for name in ("format_ticks", "get_offset"):
+            setattr(formatter, name, _localised(getattr(formatter, name)))
+
+
+def _localised(write: Callable[..., Any]) -> Callable[..., Any]:
+    """Return a method of a formatter whose texts have the language's decimal sign."""
+
+    def inside(*args: Any) -> Any:
+        result = write(*args)
+        return local(result) if isinstance(result, str) else [local(text) for text in result]
 
     return inside

@@ -157,6 +157,7 @@ test("a language has its own plural forms, and data is translated by its English
   assert.equal(tr("The first push"), "The first push");
   setLanguage("hr", {
     name: "hrvatski",
+    decimal: ",",
     strings: { play: "Pokreni",
       mapTrialCount: { one: "{count} pokus", few: "{count} pokusa", other: "{count} pokusā" } },
     texts: {

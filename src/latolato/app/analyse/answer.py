@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.blocks import content_of
+from latolato.app.languages import language_of
 from latolato.app.worker import Result
 from latolato.core.errors import InputError
+from latolato.core.language import speaking, spoken
 from latolato.io.analysis_tables import to_csv
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_OVER = re.compile(r"\(over (?P<dims>[^,)]*)(?P<rest>[^)]*)\)")
 _PICTURE_DPI = 200
-_BY = " \N{MULTIPLICATION SIGN} "
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]) -> Result:
@@ -37,15 +36,19 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float]
     result = asked.function(**arguments)
     save(result, folder / "result.nc")
     (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
-    try:
-        figure = plot(result)
-    except InputError as error:  # without a picture
-        warnings.warn(str(error), RuntimeWarning, stacklevel=1)
-    else:
-        save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
-        save_figure(figure, folder / "result.svg")
+    if "message" in result.attrs:
+        warnings.warn(result.attrs["message"], RuntimeWarning, stacklevel=1)
+    with speaking(language_of(request.get("language", "en"))):
+        try:
+            figure = plot(result)
+        except InputError as error:  # without a picture
+            warnings.warn(str(error), RuntimeWarning, stacklevel=1)
+        else:
+            save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
+            save_figure(figure, folder / "result.svg")
+        lines = numbers_of(result)
     about = {
-        "analysis": asked.name, "lines": numbers_of(result),
+        "analysis": asked.name, "lines": lines,
         "python": asked.python(arguments), "command": asked.command(),
         "points": result.sizes.get("point", 0),
     }  # fmt: skip
@@ -60,12 +63,10 @@ def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
     for name, text in as_lines(_in_shown_units(dataset.squeeze())).items():
         variable = dataset.variables.get(name)
         # What was found of nothing, as along a curve without a point, needs no row.
-        is_empty = (variable is not None and variable.size == 0) or not text.strip(", ")
-        if name == "analysis" or is_empty:
+        if variable is None or variable.size == 0 or not text.strip(", "):
             continue
-        label = str(variable.attrs.get("long_name") or name) if variable is not None else name
-        text = _OVER.sub(_counted, text).replace(" °", "°")
-        rows.append((label[:1].upper() + label[1:].replace("_", " "), text))
+        label = spoken(str(variable.attrs.get("long_name") or name))
+        rows.append((label[:1].upper() + label[1:], text.replace(" °", "°")))
     return rows
 
 
@@ -82,9 +83,3 @@ def _in_shown_units(dataset: xr.Dataset) -> xr.Dataset:
             attrs = {**variable.attrs, "units": unit}
             shown[name] = (variable.dims, variable.values * factor, attrs)
     return shown
-
-
-def _counted(match: re.Match[str]) -> str:
-    """Return how many values a range is of, for a text that names their dimensions."""
-    sizes = re.findall(r"(?<=\w )\d+(?= x |$)", match["dims"])
-    return f"({_BY.join(sizes)} values{match['rest']})"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -81,12 +82,16 @@ def _draw_attractor(panel: Any, attractor: xr.Dataset, colour: str) -> None:
 def _title(dataset: xr.Dataset) -> str:
     """Return the title of the map."""
     entropy, border = (dataset[n].item() for n in ("basin_entropy", "boundary_basin_entropy"))
-    fractal = " > ln 2: fractal boundary" if border > math.log(2.0) else ""
-    text = f"basin entropy {entropy:.3f}, on boundaries {border:.3f}{fractal}"
+    numbers = {"entropy": f"{entropy:.3f}", "border": f"{border:.3f}"}
+    text = tr("basin entropy {entropy}, on boundaries {border}", **numbers)
+    if border > math.log(2.0):
+        text += f" > ln 2: {tr('fractal boundary')}"
     uncertain = 100.0 * dataset["uncertain_fraction"].item()
     if not uncertain:
         return text
-    return f"{text}\n{uncertain:.3g} % of the starts depend on the tolerance (dots): uncertain"
+    share = f"{uncertain:.3g}"
+    dots = tr("{share} % of the starts depend on the tolerance (dots): uncertain", share=share)
+    return f"{text}\n{dots}"
 
 
 def _legend(dataset: xr.Dataset) -> list[Any]:
@@ -99,23 +104,24 @@ def _legend(dataset: xr.Dataset) -> list[Any]:
         half = 50.0 * (row["basin_fraction_high"] - row["basin_fraction_low"]).item()
         angle = math.degrees(row["largest_angle_watched"].item())
         status = str(row["status"].values)
-        what = status
+        words = [] if status == "periodic" else [tr(status)]
         if status in ("periodic", "grazing"):
-            what = (
-                f"{'grazing, ' if status == 'grazing' else ''}period {row['response_period']:.0f}"
-            )
+            words.append(tr("period {period}", period=f"{row['response_period']:.0f}"))
+        words.append(tr("up to {angle}", angle=f"{angle:.0f}°"))
         turns = row["rotation_number"].item()
-        text = f"{what}, up to {angle:.0f}°"
         if status != "rest" and math.isfinite(turns):
-            text += f", {turns:.3g} per period"
+            words.append(tr("{turns} per period", turns=f"{turns:.3g}"))
+        text = ", ".join(words)
         entries.append(style.swatch(_COLOURS[number], f"{text}\n{share:.2f} ± {half:.2f} %"))
     rest = numbers >= len(_COLOURS)
     if rest.any():
         share = 100.0 * dataset["basin_fraction"].values[rest].sum()
-        entries.append(style.swatch(_OTHER, f"{rest.sum()} further\n{share:.2f} %"))
+        entries.append(
+            style.swatch(_OTHER, f"{tr('{count} further', count=rest.sum())}\n{share:.2f} %")
+        )
     lost = 100.0 * dataset["unresolved_fraction"].item()
     if lost:
         moving = 100.0 * dataset["not_settled_fraction"].item()
-        still = f", {moving:.2f} % not settled" if moving else ""
-        entries.append(style.swatch(_UNRESOLVED, f"unresolved\n{lost:.2f} %{still}"))
+        still = f", {moving:.2f} % {tr('not settled')}" if moving else ""
+        entries.append(style.swatch(_UNRESOLVED, f"{tr('unresolved')}\n{lost:.2f} %{still}"))
     return entries

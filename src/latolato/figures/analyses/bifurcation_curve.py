@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import spoken, tr
 from latolato.figures import style
 from latolato.figures.map_title import title_of
 
@@ -61,10 +62,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     first, second = (str(name) for name in dataset.attrs["parameters"])
     handles = draw_over(axes, dataset, dataset[second].values, dataset[first].values)
     if not dataset.sizes["point"]:
-        axes.text(
-            0.5, 0.5, f"no curve: {dataset['status'].item()}", transform=axes.transAxes,
-            ha="center", va="center",
-        )  # fmt: skip
+        text = tr("no curve: {status}", status=tr(dataset["status"].item()))
+        axes.text(0.5, 0.5, text, transform=axes.transAxes, ha="center", va="center")
     axes.margins(0.04)
     style.show_unit(axes.xaxis, dataset[second])
     style.show_unit(axes.yaxis, dataset[first])
@@ -92,7 +91,8 @@ def draw_over(axes: Axes, dataset: xr.Dataset, x: Floats, y: Floats, **look: Any
         if begin == end:
             continue
         # A piece reaches to the first point of the next one, so that no gap is left.
-        text = f"{kind.replace('_', ' ')}{'' if edges[begin] else ', of an unstable motion'}"
+        word = spoken(kind)
+        text = word if edges[begin] else tr("{kind}, of an unstable motion", kind=word)
         lines = axes.plot(
             x[begin : end + 1], y[begin : end + 1], ls="-" if edges[begin] else DASHES,
             dash_capstyle="butt", solid_capstyle="butt",
@@ -116,6 +116,6 @@ def _marks(axes: Axes, dataset: xr.Dataset, x: Floats, y: Floats, colour: Any) -
         near = int(np.argmin(np.linalg.norm((own - there[:, None]) / units[:, None], axis=0)))
         (handles[kind],) = axes.plot(
             x[near], y[near], MARKS.get(kind, "o"), ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6,
-            ls="", zorder=5, clip_on=False, label=kind.replace("_", " "),
+            ls="", zorder=5, clip_on=False, label=spoken(kind),
         )  # fmt: skip
     return list(handles.values())

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.map import WAYS
@@ -28,10 +29,12 @@ def draw(dataset: xr.Dataset) -> Figure:
     figure, axes = style.new_figure(2, 1, width=0.75 * style.PAGE, height=4.6, sharex=True)
     samples, largest = axes[:, 0]
     knob = dataset[dataset.attrs["parameter"]]
-    angle, way = dataset["section_angle"], "way " + dataset["direction"].astype(object)
+    angle, way = dataset["section_angle"], dataset["direction"]
+    ways = [tr("way {direction}", direction=tr(each)) for each in way.values.tolist()]
     angle = angle.isel(ball=0) if "ball" in angle.dims else angle
     size = float(np.clip(120.0 / knob.size, 0.7, 2.5))
-    colours = [WAYS[each] for each in dataset["direction"].values]
+    colours = [WAYS[each] for each in way.values]
+    way = way.copy(data=ways)
     look: dict[str, Any] = {"colours": colours, "short": True}
     draw_points(samples, knob, angle, way, **look, ms=size)
     angle = dataset["largest_angle_watched"]
@@ -40,8 +43,8 @@ def draw(dataset: xr.Dataset) -> Figure:
         differ = dataset["is_hysteretic"].values
         for panel in (samples, largest):
             for where, text, hatch in (
-                (differ == 1, "both ways differ", ""),
-                (np.isnan(differ), "undecided", "////"),
+                (differ == 1, tr("both ways differ"), ""),
+                (np.isnan(differ), tr("undecided"), "////"),
             ):
                 if where.any():
                     panel.fill_between(
@@ -52,8 +55,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     samples.set_xlabel("")
     style.show_unit(largest.xaxis, knob)
     largest.set_xlim(float(knob[0]), float(knob[-1]))
-    style.panel_title(samples, "a", "angle once per drive period")
-    style.panel_title(largest, "b", "largest angle")
+    style.panel_title(samples, "a", tr("angle once per drive period"))
+    style.panel_title(largest, "b", tr("largest angle"))
     handles = largest.get_legend_handles_labels()
     figure.legend(*handles, loc="outside lower center", ncols=len(handles[0]), markerscale=2.0)
     return figure

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import spoken, tr
 from latolato.figures import style
 from latolato.figures.map_title import title_of
 
@@ -84,16 +85,16 @@ def draw(dataset: xr.Dataset) -> Figure:
     else:
         moduli.set_xlim(dataset.attrs["low"], dataset.attrs["high"])
         angles.text(
-            0.5, 0.5, f"no branch: {dataset['status'].item()}", transform=angles.transAxes,
-            ha="center", va="center",
+            0.5, 0.5, tr("no branch: {status}", status=tr(dataset["status"].item())),
+            transform=angles.transAxes, ha="center", va="center",
         )  # fmt: skip
     handles = [
-        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, label="stable"),
-        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, ls=_DASHES, label="unstable"),
-        Line2D([], [], color=style.GREY, label="smaller multipliers"),
+        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, label=tr("stable")),
+        Line2D([], [], color=style.BLUE, lw=style.LINE + 0.3, ls=_DASHES, label=tr("unstable")),
+        Line2D([], [], color=style.GREY, label=tr("smaller multipliers")),
         Line2D(
             [], [], color=style.BLUE, marker="o", ms=3.5, mfc=style.PAPER, mew=1.0, ls="",
-            label="first orbit",
+            label=tr("first orbit"),
         ),
         *_mark(angles, dataset, places),
     ]  # fmt: skip
@@ -101,7 +102,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     angles.set_ylim(0.0 if top > _FLAT else -_FLAT, max(1.06 * top, _FLAT))
     style.show_unit(angles.yaxis, angle)
     angles.set_title("\n".join(title_of(dataset, {}, "")), fontsize=style.SMALL)
-    moduli.set_ylabel(r"moduli of multipliers $|\mu|$")
+    moduli.set_ylabel(tr(r"moduli of multipliers $|\mu|$"))
     style.show_unit(moduli.xaxis, knob)
     columns = len(handles) if len(handles) <= 5 else (len(handles) + 1) // 2
     figure.legend(handles=handles, loc="outside lower center", ncols=columns)
@@ -140,6 +141,6 @@ def _mark(axes: Axes, dataset: xr.Dataset, places: Floats) -> list[Any]:
         if kind in kinds:
             handles += axes.plot(
                 *places[kinds == kind].T, marker, ms=5.0, mfc=colour, mec=style.PAPER, mew=0.6,
-                ls="", zorder=4, clip_on=False, label=kind.replace("_", " "),
+                ls="", zorder=4, clip_on=False, label=spoken(kind),
             )  # fmt: skip
     return handles

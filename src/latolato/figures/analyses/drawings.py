@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.map import STATUS_COLOURS, Drawing
 from latolato.figures.map_title import title_of
@@ -83,7 +84,7 @@ def draw_points(
     for word, (colour, mark) in zip(dict.fromkeys(kind.values.flat), looks, strict=False):
         mask = kind.values == word
         axes.plot(
-            x.values[mask], y.values[mask], color=colour, label=str(word),
+            x.values[mask], y.values[mask], color=colour, label=tr(str(word)),
             **{"ls": "", "marker": mark, "ms": size, "mew": 0.0, "rasterized": True, **look},
         )  # fmt: skip
     axes.margins(0.1)
@@ -112,14 +113,14 @@ def write_numbers(axes: Axes, dataset: xr.Dataset, names: Iterable[str]) -> None
         )  # fmt: skip
 
     status = str(dataset["status"].item()) if "status" in dataset else ""
-    put(status, 0.0, _STATUS, 1.4 * style.LARGE, STATUS_COLOURS.get(status, style.INK))
+    put(tr(status), 0.0, _STATUS, 1.4 * style.LARGE, STATUS_COLOURS.get(status, style.INK))
     down = _FIRST
     for name in names:
         about = dataset[name].attrs
         for i, value in enumerate(dataset[name].values.ravel().tolist(), start=1):
             if isinstance(value, str) or np.isnan(value) or value == math.inf:
                 continue
-            label = f"${about['symbol']}_{i}$" if dataset[name].dims else about["long_name"]
+            label = f"${about['symbol']}_{i}$" if dataset[name].dims else tr(about["long_name"])
             put(text_of(name, value, about["units"]), 0.0, down, style.SMALL, style.INK)
             put(label, _COLUMN, down, style.SMALL, style.GREY)
             down += _ROW
@@ -134,7 +135,7 @@ def text_of(name: str, value: complex, unit: str) -> str:
     ('0.5 + 0.25 i', '2 1/s')
     """
     if np.isnan(value):
-        return "no value"
+        return tr("no value")
     if value.imag:
         sign = "\N{MINUS SIGN}" if value.imag < 0 else "+"
         return f"{text_of(name, value.real, unit)} {sign} {text_of(name, abs(value.imag), unit)} i"

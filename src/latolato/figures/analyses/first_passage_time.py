@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -38,23 +39,25 @@ def draw(dataset: xr.Dataset) -> Figure:
     mean, low, high = (
         float(dataset[f"mean_first_passage_time{tail}"]) for tail in ("", "_low", "_high")
     )
-    for axis, letter, title in zip(panels[0], "ab", ("passed", "not yet passed"), strict=True):
+    for axis, letter, title in zip(
+        panels[0], "ab", (tr("passed"), tr("not yet passed")), strict=True
+    ):
         is_left = letter == "b"
         values = 1.0 - share if is_left else share
         if np.isfinite(low):
             band = [np.exp(-smooth / each) for each in (low, high)]
             if not is_left:
                 band = [1.0 - each for each in band]
-            axis.fill_between(smooth, *band, color=style.PALE_RED, lw=0, label="95 % interval")
+            axis.fill_between(smooth, *band, color=style.PALE_RED, lw=0, label=tr("95 % interval"))
         if np.isfinite(mean):
             curve = np.exp(-smooth / mean)
-            text = f"exponential, mean {mean:.3g} s"
+            text = tr("exponential, mean {mean} s", mean=f"{mean:.3g}")
             axis.plot(smooth, curve if is_left else 1.0 - curve, color=style.RED, label=text)
-        text = f"{known.size} of {count} trajectories"
+        text = tr("{passed} of {count} trajectories", passed=known.size, count=count)
         axis.step(time, values, where="post", color=style.BLUE, label=text)
         axis.set_xlim(0.0, end)
-        axis.set_xlabel("time $t$ [s]")
-        axis.set_ylabel("fraction")
+        axis.set_xlabel(tr("time $t$ [s]"))
+        axis.set_ylabel(tr("fraction"))
         style.panel_title(axis, letter, title)
     panels[0, 0].set_ylim(0.0, 1.02)
     panels[0, 0].legend(loc="lower right")

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses import drawings
 
@@ -28,6 +29,6 @@ def draw(dataset: xr.Dataset) -> Figure:
     if dataset.attrs["system"] != "pendulum" and lift[0] < 1.0 < lift[-1]:
         panel, place = figure.axes[0], float(np.interp(1.0, lift, ratio))
         panel.axvline(place, color=style.ORANGE, lw=style.LINE, ls=(0, (4, 3)))
-        text = r"lift-off from rest ($A_0\omega^2 = g$)"
+        text = tr(r"lift-off from rest ($A_0\omega^2 = g$)")
         style.note(panel, text, (place, panel.get_ylim()[1]), (-4.0, -8.0), ha="right")
     return figure

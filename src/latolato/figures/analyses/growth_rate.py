@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis import growth_rate
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
+from latolato.figures.analyses.tongues import answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -31,7 +32,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     """Return the picture of `latolato.analysis.growth_rate`."""
     position = dataset.attrs["position"]
     system, drive = system_of(dataset), drive_of(dataset)
-    figure, axes = new_panel(dataset, position)
+    figure, axes = new_panel(dataset, tr(position))
     axes.axhline(0.0, color=style.GREY, lw=style.THIN, zorder=1)
     rate, w0 = float(dataset.growth_rate), system.natural_frequency
     frequency = dataset.attrs.get("drive_frequency", 0.0) if drive.moves else 0.0
@@ -52,6 +53,6 @@ def draw(dataset: xr.Dataset) -> Figure:
         axes.plot(ratios, rates, color=style.BLUE)
         axes.fill_between(ratios, 0.0, np.maximum(rates, 0.0), color=style.PALE_BLUE, lw=0.0)
     mark_answer(axes, (place, rate), f"{rate:.5g} 1/s", (6.0, 6.0))
-    axes.set_xlabel(RATIO_LABEL)
+    axes.set_xlabel(style.label_of("frequency_ratio"))
     axes.set_ylabel(style.label(dataset.growth_rate))
     return figure

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.map import WAYS
@@ -39,12 +40,13 @@ def draw(dataset: xr.Dataset) -> Figure:
         axis.set_visible(False)
     for letter, axis, i in zip("abcd", panels.flat, indices, strict=False):
         row = dataset.isel(drive_amplitude=int(i))
+        ways = [tr("frequency {direction}", direction=tr(way)) for way in row.direction.values]
         amplitude = in_words(dataset, "drive_amplitude", row.drive_amplitude.item())
         draw_points(
             axis,
             row.frequency_ratio,
             row.largest_angle,
-            "frequency " + row.direction.astype(object),
+            row.direction.copy(data=ways),
             colours=[WAYS[way] for way in row.direction.values],
             ls="-",
             lw=style.THIN,
@@ -52,9 +54,12 @@ def draw(dataset: xr.Dataset) -> Figure:
         )
         axis.fill_between(row.frequency_ratio, *row.largest_angle, color=style.PALE_GREY, lw=0)
         for way, colour in WAYS.items():
-            jump, text = float(row.jump_ratio.sel(direction=way)), f"largest jump {way}"
+            jump, text = (
+                float(row.jump_ratio.sel(direction=way)),
+                tr("largest jump {direction}", direction=tr(way)),
+            )
             axis.axvline(jump, color=colour, lw=style.THIN, ls=(0, (3, 3)), zorder=0, label=text)
-        style.panel_title(axis, letter, f"{amplitude}: {row.status.item()}")
+        style.panel_title(axis, letter, f"{amplitude}: {tr(row.status.item())}")
         axis.label_outer()
     panels[0, 0].set_xlim(dataset.frequency_ratio.min(), dataset.frequency_ratio.max())
     panels[0, 0].set_ylim(bottom=0.0)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 
@@ -29,7 +30,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     plane, returns = axes[0]
     phase, side = dataset["impact_phase"], dataset["impact_side"]
     following = phase.shift(impact=-1).assign_attrs(
-        phase.attrs, long_name="phase at the next impact"
+        phase.attrs, long_name="drive phase at the next impact"
     )
     draw_points(plane, phase, dataset["angular_velocity_after"], side)
     draw_points(returns, phase, following.assign_attrs(symbol=r"\varphi_{j+1}"), side)
@@ -39,12 +40,14 @@ def draw(dataset: xr.Dataset) -> Figure:
     returns.set_ylim(0.0, math.tau)
     style.keep_span(plane, y=0.02 * float(np.abs(plane.get_ylim()).max()))
     rate = dataset["impacts_per_period"].item()
-    style.panel_title(plane, "a", f"{rate:.4g} impacts per drive period")
-    style.panel_title(returns, "b", "from one impact to the next")
+    style.panel_title(plane, "a", tr("{rate} impacts per drive period", rate=f"{rate:.4g}"))
+    style.panel_title(returns, "b", tr("from one impact to the next"))
     if dataset.sizes["impact"]:
         figure.legend(
             *plane.get_legend_handles_labels(), loc="outside lower center", ncols=2, markerscale=2.0
         )
     else:
-        style.note(plane, str(dataset["status"].item()), (math.pi, 0.0), (0.0, 0.0), ha="center")
+        style.note(
+            plane, tr(str(dataset["status"].item())), (math.pi, 0.0), (0.0, 0.0), ha="center"
+        )
     return figure

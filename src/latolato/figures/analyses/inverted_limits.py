@@ -8,11 +8,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis import inverted_limits
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.stored_system import drive_of, system_of
 from latolato.figures.analyses.tongues import (
-    LENGTH_LABEL,
-    RATIO_LABEL,
     answers,
     mark_answer,
     new_panel,
@@ -45,7 +44,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     top = 1.05 * float(np.nanmax([*low, *high, *(mark / length for mark in marks)]))
     ceiling = np.where(np.isnan(high) & ~np.isnan(low), min(top, rod / length), high)
     kapitza = math.sqrt(2.0) / ratios
-    figure, axes = new_panel(dataset, "upright is stable inside")
+    figure, axes = new_panel(dataset, tr("upright is stable inside"))
     axes.fill_between(ratios, low, ceiling, color=style.PALE_BLUE, lw=0.0)
     axes.plot(ratios, low, color=style.BLUE)
     axes.plot(ratios, high, color=style.RED)
@@ -57,6 +56,6 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_xlim(float(ratios[0]), float(ratios[-1]))
     axes.set_ylim(0.0, top)
     style.plain_ticks(axes.xaxis)
-    axes.set_xlabel(RATIO_LABEL)
-    axes.set_ylabel(LENGTH_LABEL)
+    axes.set_xlabel(style.label_of("frequency_ratio"))
+    axes.set_ylabel(style.label_of("amplitude_ratio"))
     return figure

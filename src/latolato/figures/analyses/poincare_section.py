@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 
@@ -30,7 +31,10 @@ def draw(dataset: xr.Dataset) -> Figure:
     draw_points(panel, dataset["angle"], dataset["angular_velocity"], dataset.get("ball"))
     style.keep_span(panel, x=_LEAST, y=_LEAST * dataset.attrs["drive_frequency"])
     count, phase = dataset.sizes["time"], dataset.attrs["section_phase"]
-    panel.set_title(f"{count} drive periods, at drive phase {phase:.4g} rad", fontsize=style.SMALL)
+    text = tr(
+        "{count} drive periods, at drive phase {phase} rad", count=count, phase=f"{phase:.4g}"
+    )
+    panel.set_title(text, fontsize=style.SMALL)
     if "ball" in dataset:
         figure.legend(loc="outside lower center", ncols=2, markerscale=2.0)
     return figure

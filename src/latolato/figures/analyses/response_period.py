@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 
@@ -45,13 +46,13 @@ def draw(dataset: xr.Dataset) -> Figure:
         draw_points(course, number, angle, place, short=True, marker=mark, ms=4.0)
         draw_points(plane, angle, speed, place, short=True, marker=mark, ms=4.0)
         if len(balls) > 1:
-            style.note(course, str(own["ball"].item()), (0.0, float(angle[0])), (6.0, 7.0))
+            style.note(course, tr(str(own["ball"].item())), (0.0, float(angle[0])), (6.0, 7.0))
     least = _LEAST * dataset.attrs["angle_tolerance"]
     style.keep_span(course, y=least)
     style.keep_span(plane, x=least, y=least * dataset.attrs["drive_frequency"])
     course.set_xlim(-0.5, min(count, max(_SHOWN, 2 * cycle + 1)) - 0.5)
     style.panel_title(course, "a", _title(dataset, cycle))
-    style.panel_title(plane, "b", "once per drive period")
+    style.panel_title(plane, "b", tr("once per drive period"))
     return figure
 
 
@@ -59,9 +60,13 @@ def _title(dataset: xr.Dataset, cycle: int) -> str:
     """Return the answer in words."""
     status = str(dataset["status"].item())
     if status == "not settled":
-        return f"{status} after {dataset.attrs['transient_periods']:g} drive periods"
+        count = f"{dataset.attrs['transient_periods']:g}"
+        return tr("not settled after {count} drive periods", count=count)
     if status == "aperiodic":
-        return f"{status}: no period up to {dataset.attrs['longest']}"
+        return tr("aperiodic: no period up to {count}", count=dataset.attrs["longest"])
     if status not in ("periodic", "grazing"):
-        return {"slackens": "hops straight up and down on its string"}.get(status, status)
-    return f"{status}, period {cycle}, rotation number {dataset['rotation_number'].item():.4g}"
+        hops = tr("hops straight up and down on its string")
+        return hops if status == "slackens" else tr(status)
+    turns = f"{dataset['rotation_number'].item():.4g}"
+    words = tr("period {period}", period=cycle), tr("rotation number {turns}", turns=turns)
+    return ", ".join([tr(status), *words])

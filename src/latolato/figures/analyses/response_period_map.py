@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -50,9 +51,9 @@ def draw(dataset: xr.Dataset) -> Figure:
     style.draw_cells(cells, *edges, _numbers(dataset), cmap=colours, norm=norm)
     style.show_unit(cells.xaxis, x)
     style.show_unit(cells.yaxis, y)
-    style.panel_title(cells, "a", "response period in drive periods")
+    style.panel_title(cells, "a", tr("response period in drive periods"))
     _draw_shares(bars, dataset)
-    style.panel_title(bars, "b", "shares of the cells with motion")
+    style.panel_title(bars, "b", tr("shares of the cells with motion"))
     return figure
 
 
@@ -82,12 +83,18 @@ def _draw_shares(axes: Any, dataset: xr.Dataset) -> None:
         axes.barh(height, share, color=colour, edgecolor=style.INK, linewidth=style.THIN)
         axes.plot([low, high], [height, height], color=style.INK, lw=style.LINE)
         style.note(axes, f"{100.0 * share:.1f} %", (high, height), (4.0, 0.0))
-    axes.set_yticks(range(len(rows)), [name for name, _ in rows])
+    axes.set_yticks(range(len(rows)), [in_words(name) for name, _ in rows])
     axes.set_ylim(len(rows) - 0.5 if rows else 0.5, -0.5)
     axes.set_xlim(0.0, 1.0)
     rest = dataset.isel(motion=0)["share"].item()
-    text = f"{100.0 * rest:.0f} % of all cells are at rest (pale grey)"
+    text = tr("{share} % of all cells are at rest (pale grey)", share=f"{100.0 * rest:.0f}")
     lost = dataset["status"].size - int(cells.sum())
     if lost:
-        text += f"\n{lost} without an answer (black)"
-    axes.set_xlabel(f"share, with its 95 % interval\n{text}", fontsize=style.SMALL)
+        text += "\n" + tr("{count} without an answer (black)", count=lost)
+    axes.set_xlabel(f"{tr('share, with its 95 % interval')}\n{text}", fontsize=style.SMALL)
+
+
+def in_words(motion: str) -> str:
+    """Return a class of motion in the language that is spoken."""
+    head, _, period = motion.partition("period ")
+    return tr("period {period}", period=period) if period and not head else tr(motion)

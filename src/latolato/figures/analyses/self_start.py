@@ -7,9 +7,10 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from latolato.analysis import self_start
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.stored_system import drive_of, system_of
-from latolato.figures.analyses.tongues import RATIO_LABEL, answers, mark_answer, new_panel
+from latolato.figures.analyses.tongues import answers, mark_answer, new_panel
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,7 +33,7 @@ def draw(dataset: xr.Dataset) -> Figure:
     ratios = np.geomspace(0.5 * place, 2.0 * place, _SAMPLES)
     (amplitudes,) = answers(lambda r: self_start(system, r, drive), ratios, "drive_amplitude")
     cosine = system.gravity / (ratios * system.natural_frequency) ** 2
-    figure, axes = new_panel(dataset, "leaves rest inside")
+    figure, axes = new_panel(dataset, tr("leaves rest inside"))
     ceiling = 2.0 * float(np.nanmax([amplitudes, cosine]))
     axes.fill_between(ratios, amplitudes, ceiling, color=style.PALE_RED, lw=0.0)
     axes.plot(ratios, amplitudes, color=style.RED)
@@ -47,6 +48,6 @@ def draw(dataset: xr.Dataset) -> Figure:
     axes.set_ylim(0.8 * float(np.nanmin([amplitudes, cosine])), ceiling / 1.5)
     style.plain_ticks(axes.xaxis)
     style.plain_ticks(axes.yaxis)
-    axes.set_xlabel(RATIO_LABEL)
+    axes.set_xlabel(style.label_of("frequency_ratio"))
     style.show_unit(axes.yaxis, dataset.drive_amplitude)
     return figure

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 
@@ -34,23 +35,23 @@ def draw(dataset: xr.Dataset) -> Figure:
         figure, panels = style.new_figure(height=3.0)
         draw_points(panels[0, 0], push, dataset.angle_after_push, ls="-", ms=3.0)
         panels[0, 0].set_ylim(bottom=0.0)
-        panels[0, 0].set_ylabel("settled angle, median over drive phases [°]")
+        panels[0, 0].set_ylabel(tr("settled angle, median over drive phases [°]"))
         return figure
     figure, panels = style.new_figure(1, 2, height=3.0, width_ratios=[1.35, 1.0])
     left, right = panels[0]
     _draw_map(dataset, left)
-    style.panel_title(left, "a", f"protocols: {dataset.status.item()}")
+    style.panel_title(left, "a", tr("protocols: {status}", status=tr(dataset.status.item())))
     draw_points(right, push, dataset.push_share, ls="-", ms=3.0)
-    style.mark_level(right, float(dataset.attrs["required_share"]), "required")
+    style.mark_level(right, float(dataset.attrs["required_share"]), tr("required"))
     smallest = float(dataset.smallest_push)
     if math.isfinite(smallest):
         energy = 1e3 * float(dataset.smallest_push_energy)
         place = smallest, float(dataset.push_share.sel(push=smallest))
         _mark(right, place, f"{smallest:.3g} rad/s, {energy:.3g} mJ")
     right.set_ylim(-0.03, 1.05)
-    right.set_ylabel("share of drive phases")
-    right.set_xlabel(f"push of each ball ${push.attrs['symbol']}$ [rad/s]")
-    style.panel_title(right, "b", "pushes at the target frequency")
+    right.set_ylabel(tr("share of drive phases"))
+    right.set_xlabel(f"{tr('push of each ball')} ${push.attrs['symbol']}$ [rad/s]")
+    style.panel_title(right, "b", tr("pushes at the target frequency"))
     return figure
 
 
@@ -59,7 +60,7 @@ def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
     dwell, ratio = dataset.dwell_time, dataset.first_frequency_ratio
     edges = style.edges_of(dwell.values), style.edges_of(ratio.values)
     cells = style.draw_cells(axis, *edges, dataset.success_share.values, vmin=0.0, vmax=1.0)
-    style.colour_bar(cells, "share of drive phases")
+    style.colour_bar(cells, tr("share of drive phases"))
     best = float(dataset.best_dwell_time), float(dataset.best_first_ratio)
     if math.isfinite(best[0]):
         _mark(axis, best, f"{float(dataset.lead_time):.3g} s")
@@ -69,7 +70,7 @@ def _draw_map(dataset: xr.Dataset, axis: Axes) -> None:
         if ratio[0] < lift_off < ratio[-1]:
             axis.axhline(lift_off, color=style.ORANGE, lw=style.LINE, ls=(0, (4, 3)))
             place = float(dwell[-1]), lift_off
-            style.note(axis, "lift-off", place, (-2.0, -4.0), ha="right", va="top")
+            style.note(axis, tr("lift-off"), place, (-2.0, -4.0), ha="right", va="top")
     axis.set_xlabel(style.label(dwell))
     axis.set_ylabel(style.label(ratio))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.stored_system import system_of
 from latolato.figures.analyses.tongues import draw_tongues, mark_answer, new_panel
@@ -31,7 +32,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     exists = not math.isnan(amplitude)
     largest = max(2.0 * amplitude, _LEAST * length) if exists else _WITHOUT * length
     largest = min(largest, 0.9 * about.get("connecting_rod_length", math.inf))
-    figure, axes = new_panel(dataset, "hanging is unstable inside")
+    text = tr("{position} is unstable inside", position=tr("hanging"))
+    figure, axes = new_panel(dataset, text)
     draw_tongues(axes, dataset, largest=largest)
     axes.set_xlim(min(0.5, 0.8 * ratio), max(3.2, 1.1 * ratio))
     axes.axvline(ratio, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.drawings import draw_points
 from latolato.figures.map_title import in_words
@@ -38,17 +39,20 @@ def draw(dataset: xr.Dataset) -> Figure:
     letters = iter("abcd")
     if many:
         _draw_detuning(dataset, panels["line"], panels["place"])
-        style.panel_title(panels["line"], next(letters), "height of the line")
-        style.panel_title(panels["place"], next(letters), "its place, bar: full width at half")
+        style.panel_title(panels["line"], next(letters), tr("height of the line"))
+        style.panel_title(panels["place"], next(letters), tr("its place, bar: full width at half"))
     point = _strongest(dataset)
     varied = ("frequency_ratio", "drive_amplitude")
     name = ", ".join(in_words(point, each, point[each].item()) for each in varied)
     _draw_survival(point, panels["survival"])
-    style.panel_title(panels["survival"], next(letters), "memory of the phase")
+    style.panel_title(panels["survival"], next(letters), tr("memory of the phase"))
     _draw_order(point, panels["order"])
     style.panel_title(panels["order"], next(letters), name)
     figure.supxlabel(
-        textwrap.fill(str(dataset.attrs["caution"]), _LINE), fontsize=style.SMALL, x=0.02, ha="left"
+        textwrap.fill(tr(str(dataset.attrs["caution"])), _LINE),
+        fontsize=style.SMALL,
+        x=0.02,
+        ha="left",
     )
     return figure
 
@@ -66,7 +70,7 @@ def _draw_detuning(dataset: xr.Dataset, height: Axes, place: Axes) -> None:
     low, high = (dataset.peak_frequency + side * dataset.peak_width for side in (-0.5, 0.5))
     for i, colour in zip(range(len(names)), style.COLOURS, strict=False):
         place.vlines(ratio, low[i], high[i], color=colour, lw=style.THIN)
-    style.mark_level(place, 0.5, "half the driving frequency", where=0.0)
+    style.mark_level(place, 0.5, tr("half the driving frequency"), where=0.0)
     reach = max(1.2 * float(np.nan_to_num([0.5 - low, high - 0.5]).max()), 0.01)
     place.set_ylim(0.5 - reach, 0.5 + reach)
     height.set_ylim(bottom=0.0)
@@ -87,24 +91,24 @@ def _draw_survival(point: xr.Dataset, axis: Axes) -> None:
     life = float(point.lifetime)
     if math.isfinite(life):
         curve = np.exp(-2.0 * lag * float(point.drive_period) / life)
-        text = f"independent slips, one in {life:,.0f} s"
+        text = tr("independent slips, one in {life} s", life=f"{life:.0f}")
         axis.plot(lag, curve, color=style.RED, ls="--", label=text)
         axis.legend(loc="best")
     elif math.isfinite(float(point.lifetime_low)):
-        text = f"no slip: one in more than {float(point.lifetime_low):,.0f} s"
+        text = tr("no slip: one in more than {life} s", life=f"{float(point.lifetime_low):.0f}")
         style.note(axis, text, (0.5 * lag[-1], 0.85), ha="center")
     else:
-        style.note(axis, str(point.status.item()), (0.5 * lag[-1], 0.5), ha="center")
+        style.note(axis, tr(str(point.status.item())), (0.5 * lag[-1], 0.5), ha="center")
     axis.set_xlim(0, lag[-1])
     axis.set_ylim(min(0.0, float(point.sign_autocorrelation.fillna(0.0).min())) - 0.05, 1.05)
     axis.set_xlabel(style.label(point.lag))
-    axis.set_ylabel("autocorrelation $C$")
+    axis.set_ylabel(tr("autocorrelation $C$"))
 
 
 def _draw_order(point: xr.Dataset, axis: Axes) -> None:
     """Draw the order parameter of each period."""
-    style.mark_level(axis, 0.0, "phase forgotten")
+    style.mark_level(axis, 0.0, tr("phase forgotten"))
     draw_points(axis, point.period, point.order_parameter_decay, ls="-", marker="", short=True)
     axis.set_xlim(point.period.values[0], point.period.values[-1])
     axis.set_xlabel(style.label(point.period))
-    axis.set_ylabel(f"order kept {axis.get_ylabel()}")
+    axis.set_ylabel(f"{tr('order kept')} {axis.get_ylabel()}")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
+from latolato.core.language import tr
 from latolato.figures import style
 from latolato.figures.analyses.stored_system import system_of
 from latolato.figures.analyses.tongues import draw_tongues, mark_answer, new_panel
@@ -30,7 +31,8 @@ def draw(dataset: xr.Dataset) -> Figure:
     amplitude, position = about["drive_amplitude"], about["position"]
     rod = about.get("connecting_rod_length", math.inf)
     largest = min(max(2.0 * amplitude, _LEAST * length), max(0.9 * rod, amplitude))
-    figure, axes = new_panel(dataset, f"{position} is unstable inside")
+    text = tr("{position} is unstable inside", position=tr(position))
+    figure, axes = new_panel(dataset, text)
     draw_tongues(axes, dataset, largest=largest, position=position)
     height = amplitude / length
     axes.axhline(height, color=style.GREY, lw=style.THIN, ls=(0, (4, 3)), zorder=1)

@@ -25,8 +25,6 @@ if TYPE_CHECKING:
 # Where the balls are at rest: below the pivot or above it.
 Position = Literal["hanging", "inverted"]
 
-RATIO_LABEL = r"driving over natural frequency $\omega/\omega_0$"
-LENGTH_LABEL = "driving amplitude over length $A_0/l$"
 _ORDERS = (1, 2, 3)
 _COLOURS = {1: style.BLUE, 2: style.RED, 3: style.GREEN}
 _HALVINGS = 12  # of the amplitude between a closed and an open tongue
@@ -82,8 +80,8 @@ def draw_tongues(
         style.note(axes, f"n = {order}", place, (0.0, -8.0), ha="center", colour=colour)
     axes.set_xlim(0.5 if position == "hanging" else 0.0, right)
     axes.set_ylim(0.0, largest / length)
-    axes.set_xlabel(RATIO_LABEL)
-    axes.set_ylabel(LENGTH_LABEL)
+    axes.set_xlabel(style.label_of("frequency_ratio"))
+    axes.set_ylabel(style.label_of("amplitude_ratio"))
 
 
 def mark_answer(

@@ -4,10 +4,10 @@
  * A text is a string with gaps, or one for each plural form of its gap `count`.
  * @typedef {string | Record<string, string>} Text
  *
- * A language: its own name, the texts of the pages by their names, the sentences of rules by the names
+ * A language: its own name, its sign between whole numbers and decimals, the texts of the pages by their names, the sentences of rules by the names
  * of the rules, and texts that are born as data (titles of presets, labels of parameters) by the
  * English ones. English has only the sentences that pages say otherwise than Python and the command line.
- * @typedef {{name: string, beta?: boolean, strings: Record<string, Text>, texts: Record<string, string>,
+ * @typedef {{name: string, beta?: boolean, decimal?: string, strings: Record<string, Text>, texts: Record<string, string>,
  *   rules: Record<string, {rule?: string, way_out?: string}>}} Language
  */
 
@@ -42,9 +42,9 @@ export function languageCode() {
  * @param {string} code
  * @param {Language} language
  */
-export function setLanguage(code, { strings, texts, rules }) {
+export function setLanguage(code, { decimal, strings, texts, rules }) {
   Object.assign(spoken, { code, strings: { ...STRINGS, ...strings }, texts: new Map(Object.entries(texts)),
-    rules: { ...RULES, ...rules }, hasComma: new Intl.NumberFormat(code).format(0.5).includes(",") });
+    rules: { ...RULES, ...rules }, hasComma: decimal === "," });
 }
 
 /**

@@ -3,7 +3,7 @@
 import { codeBlocks } from "../page/code.js";
 import { el, saveFile } from "../page/dom.js";
 import { fileOf } from "../page/jobs.js";
-import { ENGLISH, t } from "../strings.js";
+import { t } from "../strings.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 
@@ -34,7 +34,7 @@ export class ResultCard {
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },
-          el("table", { class: "numbers", lang: ENGLISH }, el("tbody", {},
+          el("table", { class: "numbers" }, el("tbody", {},
             ...about.lines.map((/** @type {[string, string]} */ [name, text]) => el("tr", {},
               el("th", { scope: "row" }, name), el("td", {}, text)))))),
         this.actions = el("div", { class: "actions" }, ...files.map((kind) =>
