@@ -187,7 +187,7 @@ def test_an_address_that_makes_no_toy_says_why(page, query, fault):
 def test_a_refused_control_is_mended_in_its_field(page):
     open_held(page)
     page.evaluate("() => window.latolato.views.toy.page.store.option('restitution', '2')")
-    page.locator(".message").get_by_text("must lie between 0 and 1").wait_for()
+    page.locator(".message").get_by_text("must be between 0 and 1").wait_for()
     knob = page.locator(".toy").get_by_label("Bounciness e")
     enter(knob, "0.5")
     wait_for_toy(page, "toy?.controls.restitution === 0.5")

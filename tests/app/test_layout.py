@@ -353,8 +353,8 @@ def test_a_refusal_stands_on_the_stage_and_beside_its_knob(page):
     messages.get_by_text("“radius of one ball” must be at least 0 m and").wait_for()
     page.evaluate(option, ["restitution", "2"])
     page.evaluate(option, ["radius", None])
-    page.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()
-    messages.get_by_text("“Bounciness” must lie between 0 and 1, got 2.").wait_for()
+    page.locator(".knobs").get_by_text("must be between 0 and 1").wait_for()
+    messages.get_by_text("“Bounciness” must be between 0 and 1, got 2.").wait_for()
     assert messages.locator(".message").count() == 1
     page.evaluate(option, ["restitution", None])
     messages.locator(".message").wait_for(state="detached")
@@ -550,7 +550,7 @@ def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
     for label, text in (("How often", "66.9"), ("driving over natural frequency", "66")):
         field = knobs.get_by_label(label, exact=False).first
         enter(field, text)
-        line = knobs.get_by_text("must lie between 0").first
+        line = knobs.get_by_text("must be between 0").first
         line.wait_for()
         # The limit that it names is the value that it offers.
         offered = line.get_by_role("button").inner_text().removeprefix("Take ")

@@ -109,9 +109,9 @@ def test_a_message_can_be_dismissed_and_goes_when_something_else_is_chosen(page)
 @pytest.mark.parametrize(
     "query, name, text, problem, nearest",
     [
-        ("", "Bounciness", "2", "“Bounciness” must lie between 0 and 1, got 2", "1"),
-        ("", "How far the hand moves", "99999", "must lie between 0 mm and 900 mm", "900 mm"),
-        ("&toy.hand=1", "Bounciness", "-1", "must lie between 0 and 1", "0"),
+        ("", "Bounciness", "2", "“Bounciness” must be between 0 and 1, got 2", "1"),
+        ("", "How far the hand moves", "99999", "must be between 0 mm and 900 mm", "900 mm"),
+        ("&toy.hand=1", "Bounciness", "-1", "must be between 0 and 1", "0"),
     ],
 )
 def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered(

@@ -304,7 +304,7 @@ def test_a_bad_value_is_explained_next_to_its_knob(cell, run):
     show(cell, ll.play(run))
     field = cell.get_by_role("textbox", name="Bounciness")
     enter(field, "2")
-    cell.locator(".knobs").get_by_text("must lie between 0 and 1").wait_for()
+    cell.locator(".knobs").get_by_text("must be between 0 and 1").wait_for()
     assert field.get_attribute("aria-invalid") == "true"
     # It stays while another knob is moved, until the cell's own run is asked for.
     cell.locator(".knobs input[type=range]").first.press("ArrowRight")

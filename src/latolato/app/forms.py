@@ -198,7 +198,7 @@ def _axes() -> dict[str, dict[str, Any]]:
 
 def _axis(parameter: Parameter) -> dict[str, Any]:
     """Return a parameter of maps: its label, what it sets, the interval to begin with, if any."""
-    name, allowed = parameter.name, parameter.allowed
+    name = parameter.name
     side = next((s for s in ("right", "left") if s in name.split("_")), None)
     option = law_options().get(name)
     begins = option is not None and (option.owner == "run" or name in DERIVED)
@@ -209,10 +209,7 @@ def _axis(parameter: Parameter) -> dict[str, Any]:
         "units": units_of(parameter.quantity),
         "owner": parameter.owner,
         "sets": TARGETS.get(name, name),
-        "low": allowed.low if math.isfinite(allowed.low) else None,
-        "high": allowed.high if math.isfinite(allowed.high) else None,
-        "open_low": allowed.open_low,
-        "open_high": allowed.open_high,
+        "limits": [asdict(limit) for limit in parameter.limits],
         "suggested": option.suggested if option is not None and begins else None,
     }
 

@@ -5,7 +5,7 @@ import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../s
 import { inLanguage, inPagesWords, sentenceOfError, warningsText } from "../../../src/latolato/app/static/js/page/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
 import { inWords } from "../../../src/latolato/app/static/js/page/option_labels.js";
-import { shownEnd } from "../../../src/latolato/app/static/js/page/unit_text.js";
+import { inProse, shownEnd } from "../../../src/latolato/app/static/js/page/unit_text.js";
 import { firstOf } from "../../../src/latolato/app/static/js/page/language.js";
 import { setLanguage, t, tr } from "../../../src/latolato/app/static/js/strings.js";
 
@@ -32,7 +32,7 @@ test("a refusal has the unit and the label of the screen", () => {
   const registry = /** @type {any} */ ({ options: { angle: option } });
   const beyond = brokenRule("at_most", { parameter: "angle", value: 2 }, { range: "[0, 1.570796327] rad", end: "1.570796327" });
   assert.deepEqual(inPagesWords(registry, beyond),
-    ["“Where it starts” must lie between 0° and 90°, got 114.592°", "angle"]);
+    ["“Where it starts” must be between 0° and 90°, got 114.592°", "angle"]);
   limits[1].is_open = true;
   assert.equal(inPagesWords(registry, beyond)[0],
     "“Where it starts” must be at least 0° and below 90°, got 114.592°");
@@ -96,8 +96,8 @@ test("ends of intervals are shown as numbers that they hold, and what is no numb
   const says = (/** @type {number} */ value) => inPagesWords(registry, brokenRule("at_most",
     { parameter: "angle", value }, { range: "[0.1001674, 1] rad", end: "1" }))[0];
   // 1 rad is 57.29578 degrees, and the lower end 5.73917.
-  assert.equal(says(2), "“Angle” must lie between 5.74° and 57.29°, got 114.592°");
-  assert.equal(says(Infinity), "“Angle” must lie between 5.74° and 57.29°, got ∞");
+  assert.equal(says(2), "“Angle” must be between 5.74° and 57.29°, got 114.592°");
+  assert.equal(says(Infinity), "“Angle” must be between 5.74° and 57.29°, got ∞");
   const rule = { name: "", part: /** @type {const} */ ("rule"), text: "must be known", values: {} };
   assert.equal(inPagesWords(registry, new InputError(rule, { parameter: "angle", value: NaN }))[0],
     "“Angle” must be known, got no number");
@@ -109,7 +109,7 @@ test("whole numbers at the ends of intervals are shown as they are", () => {
   const limits = [{ is_lower: false, end: 2 ** 53 - 1, is_open: false, rule: "at_most", values: { end: "9007199254740991" } }];
   const registry = /** @type {any} */ ({ options: { seed: { label: "Seed", unit: "1", limits } } });
   const beyond = brokenRule("at_most", { parameter: "seed", value: 2 ** 60 }, { range: "", end: "9007199254740991" });
-  assert.equal(inPagesWords(registry, beyond)[0], "“Seed” must be at most 9007199254740991, got 1152921504606847000");
+  assert.equal(inPagesWords(registry, beyond)[0], "“Seed” must be at most 9007199254740991, got 2⁶⁰");
 });
 
 test("a sentence begins with a capital, but names of files and of Python stay as they are", () => {
@@ -209,7 +209,7 @@ test("a number that is too small for its unit is refused in the unit of its fiel
   const options = { length: { ...REGISTRY.options.length, unit: "m", units: [{ name: "cm", size: 0.01 }], limits } };
   const error = brokenRule("tiny", { parameter: "length", value: 1e-40 }, { end: "1e-30 m" });
   const [text] = inPagesWords({ options }, error);
-  assert.match(text, /1e-28 cm.*1e-38.*check its unit/);
+  assert.match(text, /is too small to compute with.* 10⁻³⁸ cm; check its unit/);
 });
 
 test("beside its field a refusal names no file", () => {
@@ -222,4 +222,9 @@ test("a rule without a translation is in English", () => {
   assert.equal(inLanguage(brokenRule("rigid_rod", { parameter: "string_restitution", value: 0.5 })),
     "string_restitution must be 0 with suspension 'rod', as a rod never goes slack, zadano je 0,5; "
     + "give 0, or suspension='string'");
+});
+
+test("numbers in sentences can be read at a glance", () => {
+  assert.deepEqual([0, 12, 0.25, 1e300, 1.5e-7, -3.25e40, 2 ** 63, 9007199254740991, Infinity].map((each) => inProse(each)),
+    ["0", "12", "0.25", "10³⁰⁰", "1.5 × 10⁻⁷", "-3.25 × 10⁴⁰", "2⁶³", "9007199254740991", "∞"]);
 });

@@ -8,7 +8,7 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from latolato.app.forms import described, pretty, shown_option, units_of
+from latolato.app.forms import described, pretty, shown_option
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
 
@@ -176,7 +176,7 @@ def _amplitudes_of(scenario: Scenario) -> tuple[float, float]:
 
 
 def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
-    """Return the numbers that a diagram can vary: what they are, their units, usual limits [SI]."""
+    """Return the numbers that a diagram can vary: what they may be, and usual limits [SI]."""
     from latolato.analysis.flow import value_of
     from latolato.simulation import vary
 
@@ -195,10 +195,10 @@ def parameters_of(scenario: Scenario) -> dict[str, dict[str, Any]]:
         low, high = (f"{end:.4g}" for end in ends)
         if name == "frequency_ratio":
             low, high = (f"{end:.4g}" for end in _ratios_of(scenario, _RATIOS))
+        shown = shown_option(parameter)
         result[name] = {
             "label": label_of(name, parameter.unit),
-            "unit": parameter.unit,
-            "units": units_of(parameter.quantity),
+            "shown": {each: shown[each] for each in ("unit", "units", "limits")},
             "low": "0" if value == 0.0 else low,
             "high": "0.1" if value == 0.0 else high,
         }

@@ -9,8 +9,8 @@ import { t, tr } from "../strings.js";
 /** @typedef {FieldOption & {required: boolean, is_in_unit_of_parameter: boolean}} Argument */
 /** @typedef {{title: string, options: Record<string, any>, titles: Record<string, string>,
  *   first: Record<string, Record<string, string>>,
- *   parameters: Record<string, {label: string, unit: string, units: import("../page/unit_text.js").Unit[],
- *   low: string, high: string}>}} SystemAbout
+ *   parameters: Record<string, {label: string, low: string, high: string,
+ *   shown: Pick<FieldOption, "unit" | "units">}>}} SystemAbout
  *   what the server says about system and drive: titles of analyses, texts to begin with, and what diagrams can vary */
 
 // The option that says what a diagram varies, and the two that say between which limits.
@@ -102,7 +102,7 @@ export class ArgumentForm {
   shownAs(name, option, about, varied) {
     const placeholder = option.default ? "" : t(option.required ? "fromScenario" : "automatic");
     const shown = { ...option, placeholder, isExplained: true, takesRange: option.several };
-    if (option.is_in_unit_of_parameter && varied) return { ...shown, unit: varied.unit, units: varied.units };
+    if (option.is_in_unit_of_parameter && varied) return { ...shown, ...varied.shown };
     if (name !== VARIED) return shown;
     const { parameters } = about;
     return { ...shown, choices: Object.keys(parameters),

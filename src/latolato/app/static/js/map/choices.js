@@ -1,8 +1,9 @@
 /** What a map may be made of: parameters with ranges to begin with, and observables. */
 
 import { checkStrings } from "../model/case.js";
-import { brokenRule, general, InputError, unknown } from "../model/rules.js";
-import { endsText } from "../page/refusals.js";
+import { brokenRule, InputError, rangeOf, unknown } from "../model/rules.js";
+import { problemWith } from "../page/entry.js";
+import { besideUnit, inProse, shownUnit } from "../page/unit_text.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../kernels/memory.js").Layout} Layout */
@@ -130,42 +131,19 @@ function spanOf(registry, origin, name, asked) {
  * @param {"x" | "y"} which
  */
 function checked(about, span, which) {
-  const { label } = about;
+  const { label, units: [unit] } = about;
   const [first, last] = [`${which}low`, `${which}high`];
-  const words = (/** @type {number} */ value) => quantityText(about, value);
+  const words = (/** @type {number} */ value) => besideUnit(inProse(value / unit.size), shownUnit(unit.name));
   if (!(span.low < span.high))
     throw new InputError(t("refuseOrder", { label, low: words(span.low), high: words(span.high) }),
       { fields: [first, last] });
   for (const [field, value] of /** @type {[string, number][]} */ ([[first, span.low], [last, span.high]])) {
-    const ends = ruleAgainst(about, value);
-    if (ends !== null) throw new InputError(t("refuseValues", { label, ends, value: words(value) }), { fields: [field] });
+    const problem = problemWith(span.name, about, { label, unit }, value);
+    if (problem !== null) throw new InputError(problem, { fields: [field] });
   }
   if (span.log && !(span.low > 0))
     throw new InputError(t("refuseLog", { label, low: words(span.low) }), { fields: [first] });
   return span;
-}
-
-/**
- * Return in words where the values of a parameter may lie, null if a value lies there.
- * @param {Varied} about
- * @param {number} value
- */
-function ruleAgainst(about, value) {
-  const { low, high, open_low: openLow, open_high: openHigh } = about;
-  const isBelow = low !== null && (openLow ? value <= low : value < low);
-  const isAbove = high !== null && (openHigh ? value >= high : value > high);
-  if (!isBelow && !isAbove) return null;
-  return endsText(low === null ? null : { end: quantityText(about, low), is_open: openLow },
-    high === null ? null : { end: quantityText(about, high), is_open: openHigh });
-}
-
-/**
- * Return a value in the unit in which pages show it.
- * @param {Varied} about
- * @param {number} value
- */
-function quantityText({ units: [unit] }, value) {
-  return `${general(value / unit.size)}${unit.name === "1" ? "" : ` ${unit.name}`}`;
 }
 
 /**
@@ -187,11 +165,11 @@ export function suggestedRange(registry, { options, sweep }, name) {
   if (name === "amplitude_ratio") return [0, AMPLITUDES];
   const about = registry.axes[name];
   const [low, high] = about.suggested ?? around(options[name]);
-  let [least, most] = [Math.max(low, about.low ?? -Infinity), Math.min(high, about.high ?? Infinity)];
-  const size = most - least;
-  if (about.open_low && least === about.low) least += 0.01 * size;
-  if (about.open_high && most === about.high) most -= 0.01 * size;
-  return [least, most];
+  const [lower, upper] = rangeOf(about.limits);
+  const [least, most] = [Math.max(low, lower?.end ?? -Infinity), Math.min(high, upper?.end ?? Infinity)];
+  const inside = 0.01 * (most - least);
+  return [least + (lower?.is_open && least === lower.end ? inside : 0),
+    most - (upper?.is_open && most === upper.end ? inside : 0)];
 }
 
 /**

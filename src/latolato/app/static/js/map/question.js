@@ -6,7 +6,7 @@ import { resolvedOf } from "../model/run_block.js";
 import { checkPerturbations, checkStrings, contactOf, noiseOf, numbersFor, offsetOf } from "../model/case.js";
 import { checkAcross, checkHanging, driveOf, planarOption, systemOf } from "../model/laws.js";
 import { optionsOf, partsOf, withoutAlternatives, withoutRatios } from "../model/options.js";
-import { brokenRule, checkedNumber, general, InputError, refusal, unknown } from "../model/rules.js";
+import { brokenRule, checkedNumber, general, InputError, rangeOf, refusal, unknown } from "../model/rules.js";
 import { t } from "../strings.js";
 import { gentleDrive, isOfStrings, axisSpans, watchedOf } from "./choices.js";
 
@@ -225,9 +225,9 @@ function checkWatched(registry, layout, watched, drive, contact) {
  * @returns {SpannedAxis}
  */
 function axisOf({ axes }, span, count) {
-  const { label, symbol, unit, units, low, high } = axes[span.name];
+  const { label, symbol, unit, units, limits } = axes[span.name];
   const values = cellValues(span, count);
-  return { ...span, label, symbol, unit, units, allowed: [low, high], values, edges: edgesOf(values, span.log) };
+  return { ...span, label, symbol, unit, units, allowed: rangeOf(limits).map((limit) => limit?.end ?? null), values, edges: edgesOf(values, span.log) };
 }
 
 /**

@@ -22,11 +22,9 @@
  * @typedef {Law & {moves: boolean, sinusoidal: boolean, periodic: boolean, across: string | null,
  *   amplitude_limit: [string, string] | null}} DriveLaw
  *
- * What maps can vary: `sets` is the parameter that it stands for, `low` and `high` are null where
- * there is no end.
+ * What maps can vary: `sets` is the parameter that it stands for.
  * @typedef {{label: string, symbol: string, unit: string, units: {name: string, size: number}[],
- *   owner: "system" | "drive" | "run" | "noise", sets: string, low: number | null,
- *   high: number | null, open_low: boolean, open_high: boolean,
+ *   owner: "system" | "drive" | "run" | "noise", sets: string, limits: Option["limits"],
  *   suggested: [number, number] | null}} Varied
  *
  * An observable. A variable whose values are classes names them, each with its colour; others have

@@ -253,6 +253,14 @@ export function checkedNumber({ unit, limits, whole }, parameter, value) {
 }
 
 /**
+ * Return the lower and the upper end of a range, null where there is none.
+ * @param {Option["limits"]} limits
+ */
+export function rangeOf(limits) {
+  return [true, false].map((isLower) => limits.find((limit) => limit.is_lower === isLower) ?? null);
+}
+
+/**
  * @param {Option["limits"]} limits
  * @param {string} parameter
  * @param {any} value

@@ -122,7 +122,7 @@ export function readQuantity(registry, text, unit) {
 /**
  * Return why an option cannot have a value, in the words and the unit of its field; null if it can.
  * @param {string} name
- * @param {FieldOption} option
+ * @param {Pick<FieldOption, "unit">} option
  * @param {{label: string, unit: Unit}} field
  * @param {number} value in SI units
  * @returns {string | null}

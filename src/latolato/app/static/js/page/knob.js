@@ -5,6 +5,7 @@ import { t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
 import { keep, recall } from "./preferences.js";
+import { endsText } from "./refusals.js";
 import { besideUnit, localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */
@@ -245,7 +246,7 @@ export class Knob {
     const { option, isList, mayBeEmpty, registry, unit } = this;
     const { values, text, problem } = (option.takesRange ? readRange : readEntry)(this.input.value, { registry, usual: unit, unit: option.unit,
       shown: this.only?.shown, isList, mayBeEmpty,
-      example: this.value === null ? "" : this.wordsOf(this.value) });
+      example: this.example });
     const wrong = problem ?? values.map((each) => this.problemWith(each)).find((each) => each) ?? null;
     const value = values.length === 1 ? values[0] : null;
     if (wrong === null && (value === null || this.reaches(value))) {
@@ -256,6 +257,13 @@ export class Knob {
       if (value !== null) this.show(value);
       this.take(text, value);
     } else this.refuse(wrong, value);
+  }
+
+  /** The text of a number that would do, empty if none is known. */
+  get example() {
+    const value = [this.value, ...(this.span ?? []), this.option.usual].find((each) =>
+      typeof each === "number" && this.reaches(each) && this.problemWith(each) === null);
+    return value === undefined ? "" : this.wordsOf(value);
   }
 
   /** Return why the option cannot have a value, null if it can. */
@@ -277,12 +285,14 @@ export class Knob {
   refuse(problem, value) {
     this.isRefused = true;
     const [low, high] = this.limits;
-    const nearest = value === null || this.reaches(value) ? null : value < low ? low : high;
-    const [least, most] = this.limits.map((end) => (Number.isFinite(end) ? this.wordsOf(end) : end < 0 ? "−∞" : "∞"));
-    const text = problem ?? t("outOfRange", { name: this.label, low: least, high: most });
+    const isBeyond = value !== null && !this.reaches(value);
+    const [nearest, own] = isBeyond && value < low ? [low, this.option.low] : [high, this.option.high];
+    const ends = this.limits.map((end) => (Number.isFinite(end) ? { end: this.wordsOf(end), is_open: false } : null));
+    // A limit of this field alone has a sentence of its own.
+    const text = isBeyond && nearest !== own ? t("outOfRange", { name: this.label, ends: endsText(ends[0], ends[1]) }) : problem;
     this.error(text);
-    if (nearest !== null && this.problemWith(nearest) === null)
-      this.note.append(text.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
+    if (isBeyond && this.problemWith(nearest) === null)
+      this.note.append(text?.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
         t("takeNearest", { value: this.wordsOf(nearest) })));
   }
 

@@ -2,7 +2,7 @@
 
 import { InputError, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
-import { besideUnit, short, shownEnd, shownUnit } from "./unit_text.js";
+import { besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -19,7 +19,8 @@ const NUMBERS = ["number", "number_in_unit", "quantity_of_unit", "plain_number"]
 const LOWER_ENDS = ["at_least", "more_than"];
 const OPEN_ENDS = ["more_than", "less_than"];
 const ENDS = [...LOWER_ENDS, "at_most", "less_than"];
-const SIZES = ["size", "turns", "tiny"];
+// Rules of what is beyond numbers that can be computed with, and the texts for them.
+const SIZES = /** @type {Record<string, string>} */ ({ size: "refuseTooLarge", turns: "refuseTooLarge", tiny: "refuseTooSmall" });
 const RADII = ["radius", "right radius", "left radius"];
 // Problems with the start, and the texts for them in the unit on the screen.
 const STARTS = /** @type {Record<string, string>} */ ({
@@ -140,6 +141,8 @@ export function warningsText(warnings) {
  * @param {{end: string, is_open: boolean} | null} most
  */
 export function endsText(least, most) {
+  if (least && most && !least.is_open && !most.is_open && least.end !== most.end)
+    return t("endBetween", { low: least.end, high: most.end });
   const texts = [least && t(least.is_open ? "endAbove" : "endAtLeast", { end: least.end }),
     most && t(most.is_open ? "endBelow" : "endAtMost", { end: most.end })].filter((text) => text !== null);
   return texts.length === 2 ? t("endBoth", { one: texts[0], other: texts[1] }) : texts.join("");
@@ -153,23 +156,14 @@ export function endsText(least, most) {
  * @returns {({end: number, is_open: boolean} | null)[]}
  */
 function endsOf(limits, { name, values }) {
-  if (ENDS.includes(name) && !limits.some(({ rule, values: own }) => rule === name && own.end === values.end)) {
+  if (!limits.some(({ rule, values: own }) => rule === name && own.end === values.end)) {
     const end = { end: Number(values.end), is_open: OPEN_ENDS.includes(name) };
     if (Number.isNaN(end.end)) return [null, null];
     return LOWER_ENDS.includes(name) ? [end, null] : [null, end];
   }
-  const names = ENDS.includes(name) ? ENDS : [name];
   const end = (/** @type {boolean} */ isLower) =>
-    limits.find((limit) => limit.is_lower === isLower && names.includes(limit.rule)) ?? null;
-  // A size has no limit below where it cannot be negative.
-  return [end(true) ?? (SIZES.includes(name) ? { end: 0, is_open: false } : null), end(false)];
-}
-
-/** @param {number} number a whole one is shown as it is, others rounded */
-function numberText(number) {
-  if (Number.isNaN(number)) return t("asNaN");
-  if (!Number.isFinite(number)) return number > 0 ? "∞" : "−∞";
-  return Number.isInteger(number) ? String(number) : short(number);
+    limits.find((limit) => limit.is_lower === isLower && ENDS.includes(limit.rule)) ?? null;
+  return [end(true), end(false)];
 }
 
 /**
@@ -186,7 +180,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
   const shown = shownUnit(name);
   const value = typeof about.value === "bigint" ? Number(about.value) : about.value;
   const withUnit = (/** @type {number} */ each) =>
-    besideUnit(numberText(each / size), Number.isFinite(each) ? shown : "");
+    besideUnit(Number.isNaN(each) ? t("asNaN") : inProse(each / size), Number.isFinite(each) ? shown : "");
   if (NUMBERS.includes(rule.name))
     // A phrase such as "per second" is no unit in which numbers are.
     return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
@@ -195,15 +189,13 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
   const lower = (/** @type {number} */ end) => withUnit(shownEnd(end / size, true) * size);
   const upper = (/** @type {number} */ end) => withUnit(shownEnd(end / size, false) * size);
   const own = { ...about, shown: withUnit(value) };
-  if (ENDS.includes(rule.name) || SIZES.includes(rule.name)) {
+  if (rule.name in SIZES) return new InputError(t(SIZES[rule.name]), { ...own, ...(wayOut && { wayOut }) });
+  if (ENDS.includes(rule.name)) {
     const [least, most] = endsOf(limits, rule);
     if (!least && !most) return error;
-    const isClosed = least && most && !least.is_open && !most.is_open && least.end !== most.end;
-    return new InputError(isClosed ? t("refuseBetween", { low: lower(least.end), high: upper(most.end) })
-      : t("refuseEnds", { ends: endsText(least && { ...least, end: lower(least.end) },
-        most && { ...most, end: upper(most.end) }) }),
     // The way out of an end only repeats it.
-    { ...own, ...(SIZES.includes(rule.name) && { wayOut }) });
+    return new InputError(t("refuseEnds", { ends: endsText(least && { ...least, end: lower(least.end) },
+      most && { ...most, end: upper(most.end) }) }), own);
   }
   const { low = 0, high = TURNS[rule.name], length } = rule.values;
   if (rule.name in STARTS)
@@ -228,7 +220,7 @@ export function inPagesWords(registry, error) {
   const language = { ...LANGUAGE, label: (parameter, value) =>
     called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
   if (!(error instanceof InputError) || error.parameter === null) return [begun(inLanguage(error, language), error), null];
-  const [name] = error.parameter.split("[");
+  const [name] = error.parameter.split(/[[ ]/);
   const option = options[name];
   if (!option) {
     // A file's names are those of its columns.

@@ -48,6 +48,22 @@ export function short(value, digits = 6) {
   return text.includes(".") ? text.replace(/\.?0+$/, "") : text;
 }
 
+/**
+ * Return a number as a sentence has it: a whole one as it is, very large and very small ones as powers of ten or two.
+ * @param {number} value
+ * @returns {string}
+ */
+export function inProse(value) {
+  const size = Math.abs(value);
+  if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
+  if (Number.isSafeInteger(value)) return String(value);
+  if (size >= SMALL && size < Number.MAX_SAFE_INTEGER) return short(value);
+  if (value > 1 && Number.isInteger(Math.log2(value))) return `2${superscript(Math.log2(value))}`;
+  const [digits, power] = value.toExponential().split("e");
+  const factor = Math.abs(Number(digits)) === 1 ? digits.slice(0, -1) : `${short(Number(digits), 4)} × `;
+  return `${factor}10${superscript(Number(power))}`;
+}
+
 // How many digits the ends of intervals are shown with.
 const END_DIGITS = 4;
 // Two numbers are the same up to so much of them, as after a conversion of units.
