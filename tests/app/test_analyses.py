@@ -463,8 +463,8 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("lang=en&scenario=kapitza&analyse.what=self_start&analyse.ask=1",
          "use a LatoLato or BallPair"),
         ("lang=en&scenario=toy&length=1.5+cm",
-         "“radius of one ball” must be at least 0 mm and below the length, got 18 mm; give less "
-         "than 15 mm"),
+         "“radius of one ball” must be at least 0 mm and below the length of 15 mm, got "
+         "18 mm"),
         ("lang=id&scenario=fig02&analyse.what=impact_map&analyse.ask=1",
          "Peta tumbukan membutuhkan dinding, dan Bandul tidak punya; pakai Lato-lato"),
         ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
@@ -477,7 +477,7 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("lang=en&analyse.what=first_push&analyse.frequency_ratio= &analyse.ask=1",
          "This analysis needs “Driving over natural frequency”; give values such as 0 : 1 : 11"),
         ("lang=id&scenario=toy&length=1.5+cm",
-         "tetapi diberikan 18 mm; "),
+         "di bawah panjang 15 mm, tetapi diberikan 18 mm"),
     ],
 )  # fmt: skip
 def test_refusals_are_in_the_words_and_the_language_of_the_page(page, query, text, watch):

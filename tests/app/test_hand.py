@@ -177,6 +177,7 @@ def test_a_toy_that_does_not_come_says_why(page, watch):
     [
         ("&scenario=fig12&drive=harmonic&drive_amplitude=1 m&drive_frequency=2 Hz", "amplitude"),
         ("&scenario=fig12&initial_angle=0 rad", "overlap"),
+        ("&drive_amplitude=5 m", "“driving amplitude” must be at most 100 mm, got 5000 mm."),
     ],
 )
 def test_an_address_that_makes_no_toy_says_why(page, query, fault):

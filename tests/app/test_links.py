@@ -16,7 +16,7 @@ BROKEN = [
 # sentences of all refusals are compared elsewhere.
 REFUSED = {
     "length=3 kg": "“pivot to ball centre”", "scenario=fig02&restitution=0.5": "restitution",
-    "scenario=toy&radius=40 cm": "must be at least 0 cm and below the length, got 40 cm",
+    "scenario=toy&radius=40 cm": "must be at least 0 cm and below the length of 20 cm, got 40 cm",
 }  # fmt: skip
 
 
@@ -39,8 +39,10 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
     for query, words in REFUSED.items():
         page.goto(f"/?view=toy&{query}")
         page.locator(".message.bad").get_by_text(words).wait_for()
+        assert page.locator(".play").is_disabled()
         page.get_by_role("button", name="Reset to the preset").click()
         page.wait_for_selector("[data-runs]")
+        assert page.locator(".play").is_enabled()
         assert page.locator(".message").count() == 0
 
 

@@ -65,12 +65,20 @@ function called(label, parameter, value) {
 }
 
 /**
+ * Return a sentence with its numbers as people read them.
+ * @param {string} text
+ */
+function readable(text) {
+  return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : inProse(Number(part)))));
+}
+
+/**
  * Return the text of an error in the language of the page; it calls parameters by their names.
  * @param {Error} error
  * @param {import("../model/rules.js").RuleLanguage} [language]
  */
 export function inLanguage(error, language = LANGUAGE) {
-  return error instanceof InputError ? local(error.worded(String(error.parameter), language)) : tr(error.message);
+  return error instanceof InputError ? readable(error.worded(String(error.parameter), language)) : tr(error.message);
 }
 
 /**
@@ -116,7 +124,7 @@ export function sentenceOfError(error) {
  * @param {string | import("../model/rules.js").Sentence} sentence
  */
 export function sentenceInLanguage(sentence) {
-  return local(say(sentence, LANGUAGE));
+  return readable(say(sentence, LANGUAGE));
 }
 
 /**
@@ -203,7 +211,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
       { ...own, ...(wayOut && { wayOut }) });
   if (RADII.includes(rule.name))
     return new InputError(t("refuseEnds", { ends: endsText({ end: withUnit(0), is_open: false },
-      { end: t("endLength"), is_open: true }) }), { ...own, wayOut: t("refuseRadius", { length: withUnit(Number(length)) }) });
+      { end: t("endLength", { length: withUnit(Number(length)) }), is_open: true }) }), own);
   return shown ? new InputError(rule, { ...error.about, shown: withUnit(value) }) : error;
 }
 
@@ -225,10 +233,10 @@ export function inPagesWords(registry, error) {
   if (!option) {
     // A file's names are those of its columns.
     const own = error.about.where === undefined ? language.label(error.parameter) : error.parameter;
-    return [begun(local(error.worded(own, language)), error), null];
+    return [begun(readable(error.worded(own, language)), error), null];
   }
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [begun(local(own.worded(quoted(option.label), language)), own), name];
+  return [begun(readable(own.worded(quoted(option.label), language)), own), name];
 }

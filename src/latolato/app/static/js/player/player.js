@@ -90,7 +90,7 @@ export class Player {
   }
 
   makeTransport() {
-    this.button = el("button", { type: "button", class: "play", on: { click: () => this.clock.toggle() } },
+    this.button = el("button", { type: "button", class: "play", disabled: true, on: { click: () => this.clock.toggle() } },
       t("play"));
     this.timeText = el("output", { class: "time" });
     const speed = speedMenu(FASTEST, (chosen) => { this.clock.speed = chosen; });
@@ -125,7 +125,7 @@ export class Player {
    */
   hold(motion, lead, loudest) {
     const { clock, scene, accessibility } = this;
-    this.motion = motion;
+    this.take(motion);
     scene.pinned = null;
     this.root.classList.add("held");
     this.start.disable();
@@ -150,9 +150,15 @@ export class Player {
   letGo() {
     this.root.classList.remove("held");
     [this.clock.lead, this.clock.time] = [null, 0];
-    this.motion = null;
+    this.take(null);
     this.accessibility.leave();
     this.scene.pinned = this.pinned;
+  }
+
+  /** @param {Motion | null} motion without one there is nothing to play */
+  take(motion) {
+    this.motion = motion;
+    if (this.button) this.button.disabled = !motion;
   }
 
   /**
@@ -160,7 +166,7 @@ export class Player {
    * @param {Motion} motion
    */
   show(motion) {
-    this.motion = motion;
+    this.take(motion);
     this.timeText?.classList.toggle("of-strings", motion.isString);
     this.clock.end = motion.end;
     if (this.clock.time > motion.end) this.clock.time = 0;

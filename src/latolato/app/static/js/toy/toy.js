@@ -3,6 +3,7 @@
 import { begin } from "../kernels/begin.js";
 import { observe, time } from "../kernels/run.js";
 import { recordOf } from "../model/case.js";
+import { brokenRule } from "../model/rules.js";
 import { PER_STRING } from "../model/simulate.js";
 import { t } from "../strings.js";
 import { ShakenDrive, SteeredDrive } from "./drive.js";
@@ -215,8 +216,10 @@ export class Toy {
     for (const [name, value] of Object.entries(values)) {
       if (!(name in this.limits)) throw new RangeError(`unknown control '${name}'`);
       const [low, high] = this.limits[name];
-      if (!(typeof value === "number" && value >= low && value <= high))
-        throw new RangeError(`${name} must lie in [${low}, ${high}], got ${value}`);
+      const range = `[${low}, ${high}]`;
+      if (!(typeof value === "number" && value >= low))
+        throw brokenRule("at_least", { parameter: name, value }, { range, end: String(low) });
+      if (value > high) throw brokenRule("at_most", { parameter: name, value }, { range, end: String(high) });
     }
   }
 
