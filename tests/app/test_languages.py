@@ -416,7 +416,8 @@ def test_a_refusal_stands_in_the_language_of_the_page(page):
     field = page.get_by_label("jari-jari satu bola", exact=False).first
     enter(field, "2000")
     page.get_by_text(
-        "“jari-jari satu bola” harus sedikitnya 0 mm dan di bawah panjang 200 mm, tetapi diberikan 2000"
+        "“jari-jari satu bola” harus sedikitnya 0 mm dan di bawah panjang 200 mm, "
+        "tetapi diberikan 2000"
     ).first.wait_for()
 
 

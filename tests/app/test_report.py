@@ -85,8 +85,8 @@ def test_the_report_in_the_usual_folder_is_served_without_being_named(tmp_path, 
 def test_without_a_report_the_page_says_how_to_build_one(page):
     for query in ("view=report", "view=paper&paper.figure=fig03"):
         page.goto(f"/?{query}")
-        page.get_by_text("This command builds the report").wait_for()
-        assert page.get_by_text("latolato reproduce && latolato app").is_visible()
+        page.get_by_text("into the folder latolato-report. It takes two to five minutes").wait_for()
+        assert page.get_by_text("latolato reproduce --quick").is_visible()
         assert page.locator(".message:visible").count() == 0
         page.wait_for_url("**/?view=report")
 
@@ -100,6 +100,11 @@ def test_the_bar_and_old_addresses_lead_to_the_report(browser, address):
     page.get_by_role("link", name="Report", exact=True).click()
     page.wait_for_url("**/report/index.html")
     page.goto(f"{address}?view=paper&paper.figure=fig03cd")
+    page.wait_for_url("**/report/index.html#fig03cd")
+    for part in ("", "&paper.figure=fig03cd"):
+        page.goto(f"{address}?view={'paper' if part else 'report'}{part}&lang=id")
+        page.wait_for_url(f"**/report/index.html#id-{'fig03cd' if part else 'top'}")
+    page.goto(f"{address}?view=paper&paper.figure=fig03cd&lang=en")
     page.wait_for_url("**/report/index.html#fig03cd")
     picture = page.locator("#fig03 img")
     assert picture.evaluate("i => i.decode().then(() => i.naturalWidth)") > 300

@@ -23,7 +23,7 @@ const VIEWS = {
   report: async () => MissingReport,
 };
 // Views that need Python beside the page.
-const NEED_PROGRAM = ["measure", "analyse"];
+const NEED_PROGRAM = /** @type {Record<string, string>} */ ({ measure: "app,video", analyse: "app" });
 // The report is a page of its own beside this one.
 const REPORT = "report/index.html";
 const THEMES = ["auto", "light", "dark"];
@@ -92,10 +92,8 @@ function startViews(page) {
   const ownLine = el("div", { class: "stage-tools" });
   const links = Object.keys(VIEWS).map((name) => {
     if (name === "report" && page.registry.report)
-      // Its anchors for other languages begin with their codes; it has what it has.
-      return { name, link: el("a", { href: languageCode() === ENGLISH ? REPORT : `${REPORT}#${languageCode()}-top` },
-        t("view_report")) };
-    const isForProgram = !page.registry.server && NEED_PROGRAM.includes(name);
+      return { name, link: el("a", { href: reportAddress() }, t("view_report")) };
+    const isForProgram = !page.registry.server && name in NEED_PROGRAM;
     const link = actingLink(`?view=${name}`, () => page.store.set({ view: name }, "view"),
       { class: isForProgram && "program", title: isForProgram && t("tabProgram") }, t(`view_${name}`));
     return { name, link };
@@ -116,8 +114,8 @@ function startViews(page) {
       page.messages.clear();
     }
     current = null;
-    if (!made[view] && !page.registry.server && NEED_PROGRAM.includes(view)) {
-      made[view] = new ProgramView(view);
+    if (!made[view] && !page.registry.server && view in NEED_PROGRAM) {
+      made[view] = programView(page, view);
     } else if (!made[view]) {
       const View = await VIEWS[view]().catch((error) => {
         if (error instanceof TypeError) return null; // not fetched
@@ -152,13 +150,17 @@ function startViews(page) {
   void show();
 }
 
-/** A view of the installed program, where there is only the page. */
-class ProgramView {
-  /** @param {string} view */
-  constructor(view) {
-    this.root = el("div", { class: "view" }, el("section", { class: "card" },
-      el("h1", {}, t(`view_${view}`)), el("p", {}, t(`program_${view}`)),
-      el("p", {}, t("programHow"), " ", el("code", {}, "latolato app"))));
+/** What stands in place of a view that is not here: what it does, and how to get it. */
+class MissingView {
+  /**
+   * @param {string} view
+   * @param {string} text
+   * @param {string[]} lines to type
+   * @param {(Node | string)[]} more
+   */
+  constructor(view, text, lines, ...more) {
+    this.root = el("div", { class: "view" }, el("section", { class: "card" }, el("h1", {}, t(`view_${view}`)),
+      el("p", {}, text), el("div", { class: "code" }, el("pre", {}, el("code", {}, lines.join("\n")))), el("p", {}, ...more)));
   }
 
   show() {}
@@ -166,18 +168,35 @@ class ProgramView {
   hide() {}
 }
 
-/** What stands in place of a report that nobody has built. */
-class MissingReport {
+/**
+ * Return what stands in place of a view of the installed program, where there is only the page.
+ * @param {Page} page
+ * @param {string} view
+ */
+function programView({ registry }, view) {
+  const docs = registry.docs ? el("a", { href: "docs/index.html" }, t("documentation")) : "";
+  return new MissingView(view, `${t(`program_${view}`)} ${t("programHow")}`,
+    [`pip install ".[${NEED_PROGRAM[view]}]"`, "latolato app"], docs);
+}
+
+/** What stands in place of a report that nobody has made. */
+class MissingReport extends MissingView {
   /** @param {Page} page */
   constructor({ registry }) {
-    const command = registry.server ? "latolato reproduce && latolato app" : "latolato site FOLDER";
-    this.root = el("div", { class: "view" }, el("section", { class: "card" },
-      el("h1", {}, t("view_report")), el("p", {}, t("reportMissing"), " ", el("code", {}, command))));
+    const [folder, lines] = registry.server ? ["latolato-report", ["latolato reproduce --quick", "latolato app"]]
+      : ["FOLDER/report", ["latolato site FOLDER"]];
+    super("report", t("reportMissing", { name: folder }), lines, registry.server ? t("reportFiner") : "");
   }
+}
 
-  show() {}
-
-  hide() {}
+/**
+ * Return the address of a part of the report in the language of the page: anchors for other languages than English
+ * begin with their codes.
+ * @param {string} [part]
+ */
+function reportAddress(part = "") {
+  const anchor = languageCode() === ENGLISH ? part : `${languageCode()}-${part || "top"}`;
+  return anchor ? `${REPORT}#${encodeURIComponent(anchor)}` : REPORT;
 }
 
 /**
@@ -239,15 +258,15 @@ const store = new Store(window);
 const figure = store.state.extra["paper.figure"] ?? "";
 if (store.state.view === "paper") store.amend({ view: "report", extra: {} }, "preset");
 // The first view's modules come while the server makes the registry; a site has none of those that need Python.
-if (Object.hasOwn(VIEWS, store.state.view) && !NEED_PROGRAM.includes(store.state.view)) VIEWS[store.state.view]().catch(() => {});
+if (Object.hasOwn(VIEWS, store.state.view) && !(store.state.view in NEED_PROGRAM)) VIEWS[store.state.view]().catch(() => {});
 const registry = await loadRegistry();
-if (store.state.view === "report" && registry.report) {
-  location.replace(`${REPORT}#${encodeURIComponent(figure)}`);
-  await new Promise(() => {}); // the browser leaves this page
-}
 /** @type {Page} */
 const page = { registry, store, messages: new Messages() };
 await speakInPage(page);
+if (store.state.view === "report" && registry.report) {
+  location.replace(reportAddress(figure));
+  await new Promise(() => {}); // the browser leaves this page
+}
 if (linkParts && isReadable(location.search, registry.format)) {
   const { readable, sayLeft } = await linkParts;
   const { state, left } = readable(registry, store.state, Object.keys(VIEWS));

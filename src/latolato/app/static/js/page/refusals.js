@@ -68,7 +68,7 @@ function called(label, parameter, value) {
  * Return a sentence with its numbers as people read them.
  * @param {string} text
  */
-function readable(text) {
+function legible(text) {
   return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : inProse(Number(part)))));
 }
 
@@ -78,7 +78,7 @@ function readable(text) {
  * @param {import("../model/rules.js").RuleLanguage} [language]
  */
 export function inLanguage(error, language = LANGUAGE) {
-  return error instanceof InputError ? readable(error.worded(String(error.parameter), language)) : tr(error.message);
+  return error instanceof InputError ? legible(error.worded(String(error.parameter), language)) : tr(error.message);
 }
 
 /**
@@ -124,7 +124,7 @@ export function sentenceOfError(error) {
  * @param {string | import("../model/rules.js").Sentence} sentence
  */
 export function sentenceInLanguage(sentence) {
-  return readable(say(sentence, LANGUAGE));
+  return legible(say(sentence, LANGUAGE));
 }
 
 /**
@@ -233,10 +233,10 @@ export function inPagesWords(registry, error) {
   if (!option) {
     // A file's names are those of its columns.
     const own = error.about.where === undefined ? language.label(error.parameter) : error.parameter;
-    return [begun(readable(error.worded(own, language)), error), null];
+    return [begun(legible(error.worded(own, language)), error), null];
   }
   // Beside its field it needs no name of a file.
   const { where: _, ...about } = error.about;
   const own = inPlainWords(option, new InputError(error.rule, about));
-  return [begun(readable(own.worded(quoted(option.label), language)), own), name];
+  return [begun(legible(own.worded(quoted(option.label), language)), own), name];
 }
