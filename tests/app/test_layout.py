@@ -543,6 +543,24 @@ def test_a_phone_s_header_is_low_and_shows_the_whole_name_of_its_language(page, 
             assert 0 <= box["x"] <= width - box["width"]
 
 
+@pytest.mark.parametrize("language", ["en", "id"])
+def test_the_bar_of_a_run_has_one_line_in_every_language(page, language):
+    page.set_viewport_size({"width": 1366, "height": 768})
+    open_view(page, f"&lang={language}")
+    bar, play = (page.locator(name).bounding_box() for name in (".transport", ".play"))
+    assert bar["height"] < 1.5 * play["height"]
+
+
+def test_a_phone_shows_a_map_before_its_explanation(page):
+    page.set_viewport_size(PHONE)
+    open_view(page, "&map.scenario=fig05_push&map.duration=20&map.size=12", "map")
+    assert page.locator("canvas").first.bounding_box()["y"] < 0.5 * PHONE["height"]
+    text = page.get_by_text("Every point of the picture is a separate run.")
+    assert not text.is_visible()
+    page.get_by_text("What is this?", exact=True).click()
+    assert text.is_visible()
+
+
 def test_how_often_has_one_limit_in_both_ways_to_say_it(page):
     # Of this length the limit of the ratio, 50.556, must not be rounded upwards.
     open_at(page, "&scenario=toy&duration=2 s&length=23 cm")

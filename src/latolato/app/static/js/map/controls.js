@@ -13,6 +13,8 @@ import { OverControls } from "./overcontrols.js";
 /** @typedef {import("./grid.js").Grid} Grid */
 /** @typedef {import("../page/knob.js").Knob} Knob */
 
+// As in app.css.
+const NARROW = "(max-width: 800px)";
 const SIZES = [25, 50, 100, 200, 400];
 const TIME = { unit: "s", units: [{ name: "s", size: 1 }] };
 // What stays of an address when the map is of something else.
@@ -56,7 +58,9 @@ export class MapControls {
     this.ends = el("div", { class: "fields" });
     this.colours = el("div", { class: "fields" }, this.scale.root, this.log.root, this.ends);
     this.over = new OverControls(registry, keep, files);
-    this.top = el("div", { class: "source" }, this.source.root, el("p", { class: "hint" }, t("mapIntro")), this.about);
+    // A phone has the picture first.
+    this.top = el("div", { class: "source" }, this.source.root, el("details", { class: "about", open: !matchMedia(NARROW).matches },
+      el("summary", {}, t("presetAbout")), el("p", { class: "hint" }, t("mapIntro")), this.about));
     const group = (/** @type {string} */ title, /** @type {boolean} */ open, /** @type {Node[]} */ ...parts) =>
       el("details", { open }, el("summary", {}, t(title)), el("div", { class: "fields" }, ...parts));
     const { x, y } = this.sides;
