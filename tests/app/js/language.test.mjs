@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inLanguage, inPagesWords, sentenceOfError, warningsText } from "../../../src/latolato/app/static/js/page/refusals.js";
+import { inLanguage, inPagesWords, sentenceOfError, warningsText, sentenceInLanguage } from "../../../src/latolato/app/static/js/page/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
 import { inWords } from "../../../src/latolato/app/static/js/page/option_labels.js";
 import { inProse, shownEnd } from "../../../src/latolato/app/static/js/page/unit_text.js";
@@ -227,4 +227,10 @@ test("a rule without a translation is in English", () => {
 test("numbers in sentences can be read at a glance", () => {
   assert.deepEqual([0, 12, 0.25, 1e300, 1.5e-7, -3.25e40, 2 ** 63, 9007199254740991, Infinity].map((each) => inProse(each)),
     ["0", "12", "0.25", "10³⁰⁰", "1.5 × 10⁻⁷", "-3.25 × 10⁴⁰", "2⁶³", "9007199254740991", "∞"]);
+});
+
+test("numbers that a sentence is given are read at a glance too, what somebody typed stays", () => {
+  const text = "the run takes {count:g} steps for '{name}'";
+  assert.match(sentenceInLanguage({ name: "none", part: "rule", text, values: { count: 1.75e11, name: "1e+09" } }),
+    /takes 1[.,]75 × 10¹¹ steps for '1e\+09'/);
 });

@@ -2,7 +2,7 @@
 
 import { InputError, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
-import { besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
+import { asPower, besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -69,7 +69,7 @@ function called(label, parameter, value) {
  * @param {string} text
  */
 function legible(text) {
-  return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : inProse(Number(part)))));
+  return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : asPower(Number(part)))));
 }
 
 /**
@@ -78,7 +78,7 @@ function legible(text) {
  * @param {import("../model/rules.js").RuleLanguage} [language]
  */
 export function inLanguage(error, language = LANGUAGE) {
-  return error instanceof InputError ? legible(error.worded(String(error.parameter), language)) : tr(error.message);
+  return error instanceof InputError ? local(error.worded(String(error.parameter), language)) : tr(error.message);
 }
 
 /**
