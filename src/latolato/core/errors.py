@@ -101,7 +101,8 @@ def as_read(number: str) -> str:
     """
     digits, marked, power = number.partition("e")
     if marked and not 0 <= int(power) < _POWER:
-        return f"{digits} \N{MULTIPLICATION SIGN} 10{str(int(power)).translate(_SUPERSCRIPTS)}"
+        factor = digits[:-1] if digits in ("1", "-1") else f"{digits} \N{MULTIPLICATION SIGN} "
+        return f"{factor}10{str(int(power)).translate(_SUPERSCRIPTS)}"
     text = f"{float(number):.0f}" if marked else number
     return text.removeprefix("-") if not text.strip("-0.") else text
 

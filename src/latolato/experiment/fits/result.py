@@ -65,7 +65,7 @@ class Estimate:
             # Two digits of the deviation, and the value to the same place.
             places = min(max(1 - math.floor(math.log10(sigma)), 0), _MOST_PLACES)
             text = f"{as_read(f'{value:.{places}f}')} ± {sigma:.{places}f}"
-            text = f"({text}){as_read(f'1e{power}').removeprefix('1')}" if power else text
+            text = f"({text}) \N{MULTIPLICATION SIGN} {as_read(f'1e{power}')}" if power else text
         unit = self.unit.replace("*", " ").replace("^2", "²")
         return text if unit in ("", "1") else f"{text} {unit}"
 

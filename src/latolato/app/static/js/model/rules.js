@@ -207,7 +207,7 @@ export function literal(value) {
 export function asRead(number) {
   const [digits, power] = number.split("e");
   if (power !== undefined && !(Number(power) >= 0 && Number(power) < POWER))
-    return `${digits} × 10${superscript(Number(power))}`;
+    return `${/^-?1$/.test(digits) ? digits.slice(0, -1) : `${digits} × `}10${superscript(Number(power))}`;
   const text = power === undefined ? number : String(Number(number));
   return /^-[0.]*$/.test(text) ? text.slice(1) : text;
 }

@@ -1,8 +1,8 @@
 /** Errors in the words of the pages. */
 
-import { InputError, pythonName, say } from "../model/rules.js";
+import { asRead, InputError, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
-import { asPower, besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
+import { besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -69,7 +69,7 @@ function called(label, parameter, value) {
  * @param {string} text
  */
 function legible(text) {
-  return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : asPower(Number(part)))));
+  return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : asRead(part))));
 }
 
 /**

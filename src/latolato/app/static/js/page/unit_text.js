@@ -58,17 +58,8 @@ export function inProse(value) {
   if (!Number.isFinite(value)) return value > 0 ? "∞" : "−∞";
   if (Number.isSafeInteger(value)) return String(value);
   if (size >= SMALL && size < Number.MAX_SAFE_INTEGER) return short(value);
-  return value > 1 && Number.isInteger(Math.log2(value)) ? `2${superscript(Math.log2(value))}` : asPower(value);
-}
-
-/**
- * Return a number as a power of ten with its factor.
- * @param {number} value
- */
-export function asPower(value) {
-  const [digits, power] = value.toExponential().split("e");
-  const factor = Math.abs(Number(digits)) === 1 ? digits.slice(0, -1) : `${short(Number(digits), 4)} × `;
-  return `${factor}10${superscript(Number(power))}`;
+  if (value > 1 && Number.isInteger(Math.log2(value))) return `2${superscript(Math.log2(value))}`;
+  return asRead(Number(value.toPrecision(4)).toExponential());
 }
 
 // How many digits the ends of intervals are shown with.
