@@ -32,7 +32,7 @@ test("the ends of an interval have the digits of the standard deviation", () => 
   assert.equal(toPlace(3e-7, 5e-5), "0");
   // Below the place of that digit, 100, a value is rounded to it.
   assert.deepEqual([95, 60, 40, -60, -40].map((value) => toPlace(value, 3000)), ["100", "100", "0", "−100", "0"]);
-  assert.equal(toPlace(9.6e-7, 5e-5), "1 × 10⁻⁶");
+  assert.equal(toPlace(9.6e-7, 5e-5), "10⁻⁶");
 });
 
 const track = (afterGaps = []) => new Track({
