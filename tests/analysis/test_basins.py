@@ -209,7 +209,7 @@ def test_the_entropy_of_a_straight_boundary_counts_its_boxes_only():
         ),
         ({"entropy_box": 30}, "entropy_box must be at most"),
         ({"match_tolerance": 0.0}, "match_tolerance"),
-        ({"check_tolerance": 1e-6}, "check_tolerance must be below the tolerance of 1e-06 rad"),
+        ({"check_tolerance": 1e-6}, "check_tolerance must be below the tolerance of 10⁻⁶ rad"),
         ({"known": 3}, "known must be a result of basins"),
         ({"angle_points": 1_000_000, "velocity_points": 100}, "exceed the limit"),
     ],

@@ -50,7 +50,7 @@ def test_a_value_of_a_link_that_cannot_be_used_is_refused_with_a_way_back(page):
     "query, words, remedy",
     [
         ("system=pendulum", "Pendulum needs “pivot to ball centre”.", "Take usual values"),
-        ("system=ballpair", "BallPair needs “right ball”.", "Take usual values"),
+        ("system=ballpair", "Ball needs “pivot to ball centre”.", "Take usual values"),
         ("system=pendulum&length=1&mass=1", "“duration” is needed", "Take usual values"),
         (
             "system=mathieu&suspension=string",

@@ -304,8 +304,8 @@ def test_the_run_of_a_point_is_what_its_cell_says():
     "request_, words",
     [
         ({"width": 600, "height": 600}, "at most 250000 points, got 600 x 600: choose fewer"),
-        ({"duration": 1e6}, "the limit is 5e+06; shorten it, loosen tolerance"),
-        ({"duration": 1e25}, "steps of 0.16 s, the limit is 1e+10; shorten it"),
+        ({"duration": 1e6}, " 10⁶; shorten it, loosen tolerance"),
+        ({"duration": 1e25}, "steps of 0.16 s, the limit is 10¹⁰; shorten it"),
         ({"duration": 0.0}, "each run must last longer than 0 s, got 0 s"),
         ({"transient": -1.0}, "“leave out the first” must be at least 0 s, got -1 s"),
         ({"transient": 300.0}, "transient must be shorter than duration (300 s), got 300"),

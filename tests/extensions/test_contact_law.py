@@ -285,7 +285,7 @@ def test_its_parameters_stay_with_runs_and_sweeps():
 def test_another_law_takes_none_of_its_parameters():
     run = {"initial_angle": 0.6, "duration": 5.0, "contact": "soft wall", "stiffness": 1e4}
     tables = {"system": {"kind": "latolato", "length": 1.0, "mass": 0.8, "radius": 0.1}, "run": run}
-    changed, _ = changed_tables(None, {"run": {"contact": "exact"}}, tables)
+    changed = changed_tables(None, {"run": {"contact": "exact"}}, tables)
     assert "stiffness" not in changed["run"]
     with pytest.raises(ll.InputError, match="stiffness belongs to contact soft wall, not to exact"):
         ll.Scenario.from_dict({**tables, "run": {**run, "contact": "exact"}})

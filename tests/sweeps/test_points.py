@@ -460,6 +460,6 @@ def test_a_point_with_too_many_steps_is_named_whatever_its_drag():
     batch = make_batch(plan, np.arange(2))
     assert not batch.valid.any()
     assert batch.reason.endswith(
-        "the limit is 1e+10; shorten it, loosen tolerance (with contact 'clamp': enlarge "
+        "the limit is 10¹⁰; shorten it, loosen tolerance (with contact 'clamp': enlarge "
         "clamp_step), or choose less damping, a slower start or a slower drive"
     )

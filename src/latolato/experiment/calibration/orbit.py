@@ -23,6 +23,8 @@ _BETTER, _SURE, _MOST = 0.5, 5.0, 800
 _MISTAKEN = 1.0
 # Least error of a place [pixels].
 _LEAST = 0.15
+# Distance from which one is another thing's, in typical ones.
+_UNUSUAL = 6.0
 # What angles may leave of distances from a pivot that is where it is taken to be: pixels, arm.
 _LEFT, _LEFT_SHARE = 0.5, 0.002
 
@@ -230,8 +232,11 @@ def unexplained(away: np.ndarray, speeds: np.ndarray) -> np.ndarray:
     """
     angle, off = np.arctan2(away[:, 0], away[:, 1]), np.hypot(away[:, 0], away[:, 1])
     columns = [np.ones_like(angle), *(wave(k * angle) for k in (1, 2) for wave in (np.cos, np.sin))]
-    plain = np.column_stack([*columns, speeds])
-    return np.asarray(off - plain @ np.linalg.lstsq(plain, off, rcond=None)[0])
+    plain, rest = np.column_stack([*columns, speeds]), off - np.median(off)
+    for _ in range(3):  # a place that is another thing's bends nothing
+        usual = np.abs(rest) <= _UNUSUAL * np.median(np.abs(rest))
+        rest = off - plain @ np.linalg.lstsq(plain[usual], off[usual], rcond=None)[0]
+    return np.asarray(rest)
 
 
 def most_unexplained(arm: float) -> float:
