@@ -252,13 +252,14 @@ _FAST = 1.95 * SINGLE.natural_frequency
 _UNTIL = np.linspace(0.0, 3.2, 3201)
 
 
-def _naked(drive, path):
+def _naked(drive, path, **camera):
     """Track a ball about a driven pivot that nothing shows.
 
     Return the table, which samples are ok, and the errors and deviations of these.
     """
     run = ll.simulate(SINGLE, drive, initial_angle=0.9, duration=3.0)
-    truth = synthesise_video(run, path, _NAKED, Camera(width=480, height=360, fps=60.0), seed=3)
+    film = Camera(width=480, height=360, fps=60.0, **camera)
+    truth = synthesise_video(run, path, _NAKED, film, seed=3)
     pivot, ball = (
         tuple(truth.attrs[f"{part}_pixel_{axis}"] for axis in "uv") for part in ("pivot", "ball_1")
     )
@@ -305,6 +306,17 @@ def test_the_balls_tell_how_a_pivot_moves_that_nothing_shows(drive, error, tmp_p
     assert np.sqrt(np.mean(off**2)) < error
     assert np.mean(off < 2.0 * sigma) > 0.95
     assert np.median(sigma) < 2.5 * error
+
+
+@pytest.mark.parametrize("camera", [{"k1": -0.1}, {"yaw": 0.3}], ids=["lens", "oblique"])
+def test_a_camera_that_moves_the_centre_of_the_paths_is_warned_of(camera, tmp_path):
+    drive = ll.Harmonic(drive_amplitude=0.02, drive_frequency=_FAST)
+    table, ok, off, sigma = _naked(drive, tmp_path / "bent.mp4", **camera)
+    assert "pixels from where the pivot was taken to be" in table.attrs["warnings"]
+    assert ok.mean() > 0.95
+    assert np.sqrt(np.mean(off**2)) > 0.01
+    assert np.mean(off < 2.0 * sigma) > 0.95
+    assert np.median(sigma) < 0.05
 
 
 def test_the_drive_of_a_pivot_that_nothing_shows_is_as_sure_as_it_says(tmp_path):

@@ -12,6 +12,7 @@ from latolato.cli.main import main
 from latolato.core.errors import InputError
 from latolato.experiment.calibration.circle import doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import Optics, distorted
+from latolato.experiment.calibration.orbit import drive_of
 from latolato.experiment.encode import TICKS, write_video
 from latolato.experiment.overlay import place_of, places_of
 from latolato.experiment.sidecar import sidecar_path
@@ -70,16 +71,27 @@ def test_noise_alone_makes_the_deviation_where_there_is_much():
     [
         (swing(arm=1e9, amplitude=2e-7), "too straight"),
         (swing(arm=12000.0, amplitude=0.012), "too straight"),
-        (swing(600.0, 0.3, drive=4.0), "move outside the picture, by 4.0 pixels at 1.6 Hz"),
+        (swing(600.0, 0.3, drive=4.0), "move outside the picture, by 4.0 pixels at 1.6 Hz, or at "
+         "a frequency that looks the same in 30 frames a second"),
         (swing(600.0, 0.3, drive=8.0, noise=2.0), "move outside the picture, by "),
         # One motion of the pivot does not explain what a slack string leaves.
         (slack(), "not a circle"),
         (np.concatenate([swing(300.0, 0.4), swing(150.0, 0.8)], axis=1), "not a circle"),
         (swing()[:10], "too rarely"),
     ],
-)
+)  # fmt: skip
 def test_a_path_that_does_not_show_a_pivot_at_rest_is_doubted(places, reason):
     assert reason in doubt_about(TIMES[: len(places)], places, circle_of(places))
+
+
+def test_an_arm_that_stretches_is_no_pivot_that_moves():
+    angle, pivot = 0.9 * np.cos(5.2 * TIMES), np.array([160.0, 20.0])
+    rod = np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    more = 5.0 * np.cos(9.0 * TIMES + 1.0)[:, None]
+    noise = 0.15 * np.random.default_rng(1).standard_normal(rod.shape)
+    assert drive_of(TIMES, (pivot + (150.0 + more) * rod + noise)[:, None], pivot) is None
+    driven = drive_of(TIMES, (pivot + 150.0 * rod + more * [0.0, 1.0] + noise)[:, None], pivot)
+    assert driven.amplitude == pytest.approx(5.0, abs=0.1)
 
 
 def test_a_swing_on_an_ellipse_is_no_motion_of_the_pivot():

@@ -11,8 +11,9 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, joined
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
+from latolato.experiment.calibration.hinge import CLICK
 from latolato.experiment.calibration.lens import distorted, undistorted
-from latolato.experiment.calibration.orbit import DrivenCircle, drive_of
+from latolato.experiment.calibration.orbit import DrivenCircle, drive_of, rate_values
 from latolato.experiment.calibration.pace import pace_warnings
 from latolato.experiment.calibration.scale import TOLERANCE, scale_of
 from latolato.experiment.rules import broken, place_text, said
@@ -51,6 +52,9 @@ _PATTERN, _UNEXPLAINED = 0.05, 0.1
 _LEARNED = 0.2
 # Doubt about a pivot's height by the distances of balls: of rods at 72 degrees half is believed.
 _TILTED = 0.1
+# Distance from where a pivot was pointed at that is no accident [standard deviations]: 95 % of
+# clicks are nearer.
+_ELSEWHERE = 2.5
 # By which factor the distances of two balls from one pivot differ whose arms are different.
 _OTHER_ARM = 1.15
 
@@ -235,18 +239,22 @@ def _followed(
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
     if geometry.driven is not None:
-        _settle_drive(task, scene, seen, geometry.driven)
+        _settle_drive(task, scene, seen, geometry.driven, geometry.shifts[0])
     if route.is_traced:
         _check_motion(seen, seen.clean_share(~sample.repeats))
     declared = radius / scale.metres if radius and scale else None
     return scene, _believed(task, sample, route, seen, declared)
 
 
-def _settle_drive(task: Task, scene: ImageModel, seen: Positions, rough: DrivenCircle) -> None:
+def _settle_drive(
+    task: Task, scene: ImageModel, seen: Positions, rough: DrivenCircle, apart: np.ndarray
+) -> None:
     """Fit the motion of a pivot that the picture does not show again, now that balls are measured.
 
     What its one harmonic leaves of the distances is taken as the pivot's height in that frame,
-    where rods are steep enough to tell. What is not known of both joins the deviations.
+    where rods are steep enough to tell. What is not known of both joins the deviations, and so does
+    how far it is `apart` (2,) from where it was pointed at, if that is no accident [pixels]: lenses
+    and oblique views move the centre of the circle, and bend the path less than noise does.
     """
     size, optics = (task.video.width, task.video.height), task.setup.optics
     is_clean = seen.flags == "ok"
@@ -265,8 +273,14 @@ def _settle_drive(task: Task, scene: ImageModel, seen: Positions, rough: DrivenC
     across = np.where(np.isnan(share), 1.0, np.sqrt(1.0 - share**2))
     scene.unsure = np.hypot(aside, along * across)
     place, pixels = place_text(pivots.mean(axis=0)), f"{driven.amplitude:.1f}"
-    values = {"place": place, "pixels": pixels, "rate": driven.frequency}
+    values = {"place": place, "pixels": pixels, **rate_values(driven.frequency, seen.times)}
     task.warnings.append(said("unseen_drive", **values))
+    distance = float(np.hypot(*apart))
+    if distance > _ELSEWHERE * CLICK:
+        turned = (away[..., 1] * apart[0] - away[..., 0] * apart[1]) / np.linalg.norm(away, axis=-1)
+        scene.unsure = np.hypot(scene.unsure, np.where(np.isnan(turned), distance, turned))
+        where = place_text(np.asarray(task.setup.pivot) + apart)
+        task.warnings.append(said("other_centre", place=where, pixels=f"{distance:.0f}"))
 
 
 def _route(task: Task, sample: Sample) -> Route:

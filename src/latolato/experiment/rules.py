@@ -806,11 +806,13 @@ RULES = {
         "the ball"
     ),
     "outside_pivot_moves": Rule(
-        "the pivot seems to move outside the picture, by {pixels} pixels at {rate:.2g} Hz"
+        "the pivot seems to move outside the picture, by {pixels} pixels at {rate:.2g} Hz, or at a "
+        "frequency that looks the same in {frames:.3g} frames a second"
     ),
     "unseen_drive": Rule(
         "nothing in the picture shows how the pivot at {place} moves: the paths of the balls tell "
-        "that it does, up and down by {pixels} pixels at {rate:.3g} Hz"
+        "that it does, up and down by {pixels} pixels at {rate:.3g} Hz, or at a frequency that "
+        "looks the same in {frames:.3g} frames a second"
     ),
     "no_circle": Rule(
         "the path is not a circle about a pivot at rest: places are typically {pixels} pixels off "

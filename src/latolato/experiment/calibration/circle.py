@@ -12,7 +12,12 @@ from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 from latolato.experiment.calibration.deviations import scatter_of
 from latolato.experiment.calibration.hinge import CLICK, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
-from latolato.experiment.calibration.orbit import drive_of, most_unexplained, unexplained
+from latolato.experiment.calibration.orbit import (
+    drive_of,
+    most_unexplained,
+    rate_values,
+    unexplained,
+)
 from latolato.experiment.rules import place_text, said
 
 # Fewest places that make a circle, and the distance from which one is a mistake of the tracker
@@ -194,4 +199,4 @@ def _doubt_of_rest(times: np.ndarray, places: np.ndarray, circle: Circle) -> Sen
     if driven.residual > np.fmax(still, _NOISY * noise):
         return said("no_circle", pixels=f"{circle.residual:.1f}")
     pixels = f"{driven.amplitude:.1f}"
-    return said("outside_pivot_moves", pixels=pixels, rate=driven.frequency)
+    return said("outside_pivot_moves", pixels=pixels, **rate_values(driven.frequency, times))

@@ -123,7 +123,9 @@ def drive_of(times: np.ndarray, places: np.ndarray, pivot: np.ndarray) -> Driven
 
     Notes
     -----
-    Its amplitude must be sure.
+    Its amplitude must be sure. An arm whose length varies, as of a rubber band, makes distances
+    vary alike at all angles, a pivot that moves up and down by their cosine: where the first
+    explains them far better it is no drive. It can miss that of small swings.
     """
     is_known = np.isfinite(places).all(axis=-1)
     some = np.flatnonzero(is_known.any(axis=1))
@@ -131,8 +133,23 @@ def drive_of(times: np.ndarray, places: np.ndarray, pivot: np.ndarray) -> Driven
     some = some[(0.6180339887498949 * np.arange(len(some))) % 1.0 < _MOST / max(len(some), 1)]
     groups = [places[k][is_known[k]] for k in some]
     driven = driven_circle(groups, times[some], float(np.median(np.diff(times))), pivot)
-    is_sure = driven is not None and driven.amplitude > _SURE * driven.amplitude_sigma
-    return driven if is_sure else None
+    if driven is None or driven.amplitude <= _SURE * driven.amplitude_sigma:
+        return None
+    return None if _has_elastic_arm(driven, groups, times[some]) else driven
+
+
+def rate_values(rate: float, times: np.ndarray) -> dict[str, float]:
+    """Return a rate and that of frames at `times` [s], in which others look the same [Hz]."""
+    return {"rate": rate, "frames": 1.0 / float(np.median(np.diff(times)))}
+
+
+def _has_elastic_arm(driven: DrivenCircle, places: list[np.ndarray], times: np.ndarray) -> bool:
+    """Return whether a length that varies as often explains places far better than a drive."""
+    middle = driven.pivots(driven.began + np.linspace(0.0, driven.span, _MOST)).mean(axis=0)
+    phase = math.tau * driven.frequency * np.repeat(times, [len(group) for group in places])
+    trial = _distance_equation(np.concatenate(places) - middle, is_elastic=True)
+    left, _ = trial(np.cos(phase), np.sin(phase))
+    return 1.4826 * left < _BETTER * driven.residual
 
 
 def driven_circle(
@@ -203,13 +220,18 @@ def _circle_equation(points: np.ndarray) -> _Trial:
     return trial
 
 
-def _distance_equation(away: np.ndarray) -> _Trial:
-    """Return the fit of a harmonic's amplitudes to distances of places (place, 2)."""
+def _distance_equation(away: np.ndarray, *, is_elastic: bool = False) -> _Trial:
+    """Return the fit of a harmonic's amplitudes to distances of places (place, 2).
+
+    It is of the height of the pivot, or if `is_elastic` of the arm's length.
+    """
     off = np.hypot(*away.T)
     across, down = (away / np.maximum(off, 1e-9)[:, None]).T
+    one = np.ones_like(off)
+    along = one if is_elastic else down
 
     def trial(cos: np.ndarray, sin: np.ndarray) -> tuple[float, np.ndarray]:
-        columns = [np.ones_like(off), across, down, down * cos, down * sin]
+        columns = [one, across, down, along * cos, along * sin]
         left, solution = _solved(columns, off)
         return left, solution[3:5]
 
