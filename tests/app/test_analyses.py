@@ -563,5 +563,6 @@ def test_numbers_of_an_answer_are_told_without_names_of_variables():
     assert ("Angle", "57.2958° (12 values)") in numbers_of(found)
     lifted = found.assign(drive_amplitude=((), 0.0276, {"units": "m"}))
     assert ("Drive amplitude", "27.6 mm") in numbers_of(lifted)
-    small = found.assign(defect=((), 4.5e-12, {}), step=((), 3e20, {}))
-    assert {("Defect", f"4.5 {TIMES} 10⁻¹²"), ("Step", f"3 {TIMES} 10²⁰")} <= set(numbers_of(small))
+    small = found.assign(defect=((), 4.5e-12, {}), step=((), 3e20, {}), rate=((), -0.0, {}))
+    rows = {("Defect", f"4.5 {TIMES} 10⁻¹²"), ("Step", f"3 {TIMES} 10²⁰"), ("Rate", "0")}
+    assert rows <= set(numbers_of(small))

@@ -409,7 +409,7 @@ def test_json_knows_no_infinity_and_shortens_long_arrays():
     assert lines["short"] == "no value, -∞, 1"
     assert lines["long"] == "0 to 2 (1001 values)"
     assert lines["which"] == "8 x, 4 y"
-    assert lines["roots"] == "1+2i"
+    assert lines["roots"] == "1 + 2 i"
 
 
 def test_a_pair_takes_two_starts_and_axes_of_its_own():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any
 
+from latolato.core.errors import as_read
 from latolato.core.language import local, spoken, tr
 
 if TYPE_CHECKING:
@@ -96,12 +97,13 @@ def _range(values: Any) -> tuple[float, float]:
 def _number(value: Any) -> str:
     """Return one value as text."""
     if isinstance(value, complex):
-        text = f"{value.real:.6g}{value.imag:+.6g}i" if value.imag else f"{value.real:.6g}"
-        return local(text)
+        real, imaginary = as_read(f"{value.real:.6g}"), as_read(f"{abs(value.imag):.6g}")
+        sign = "-" if value.imag < 0.0 else "+"
+        return local(f"{real} {sign} {imaginary} i" if value.imag else real)
     if isinstance(value, float):
         if math.isnan(value):
             return tr("no value")
-        return local(f"{value:.6g}").replace("inf", "\N{INFINITY}")
+        return local(as_read(f"{value:.6g}")).replace("inf", "\N{INFINITY}")
     return spoken(str(value))
 
 

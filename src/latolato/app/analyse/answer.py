@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -19,9 +18,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 _PICTURE_DPI = 200
-# A power of ten as numbers have it, and as people read it.
-_POWER = re.compile(r"(?<=\d)e\+?(-?)0*(\d+)")
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 
 
 def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float], None]) -> Result:
@@ -70,10 +66,6 @@ def numbers_of(dataset: xr.Dataset) -> list[tuple[str, str]]:
         if variable is None or variable.size == 0 or not text.strip(", "):
             continue
         label = spoken(str(variable.attrs.get("long_name") or name))
-        text = _POWER.sub(
-            lambda match: f" \N{MULTIPLICATION SIGN} 10{(match[1] + match[2]).translate(_RAISED)}",
-            text,
-        )
         rows.append((label[:1].upper() + label[1:], text.replace(" °", "°")))
     return rows
 
