@@ -10,7 +10,7 @@ import numpy as np
 
 from latolato.core.errors import Sentence, as_read
 from latolato.core.rules import Rule, sentence
-from latolato.experiment.fits.result import size_questions
+from latolato.experiment.fits.result import USUAL_SIZES, size_questions
 from latolato.experiment.period import period_of_ball
 from latolato.experiment.quality import flag_shares
 from latolato.experiment.track_table import MEASURED, balls_of
@@ -72,8 +72,6 @@ FINDINGS = {
 _SEEN = 0.5
 # Standard deviations from which a decay or a growth is seen.
 _SURE = 3.0
-# What of fits no experiment has in some sizes.
-_SIZES = ("length", "drive_frequency", "drive_amplitude")
 # Standard uncertainty of a length that somebody measured: one mark of a ruler [m].
 _RULER = 1e-3
 
@@ -126,7 +124,7 @@ def questions_of(table: xr.Dataset, cards: Mapping[str, Mapping[str, Any]]) -> l
     Without a fit the length is that of a pendulum with the period of the swing.
     """
     values = {n: v for card in cards.values() for n, v in (card.get("values") or {}).items()}
-    sizes = {name: values[name]["value"] for name in _SIZES if name in values}
+    sizes = {name: values[name]["value"] for name in USUAL_SIZES if name in values}
     if not sizes:
         period, _ = _period(table)
         sizes = {"length": GRAVITY * (period / math.tau) ** 2} if math.isfinite(period) else {}

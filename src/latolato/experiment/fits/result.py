@@ -23,10 +23,15 @@ if TYPE_CHECKING:
 
 # Half the width of a 95 percent interval in standard deviations.
 TWO_SIDED = 1.959964
-# The least and the largest value that an experiment is likely to have.
-_USUAL = {"length": (5e-3, 70.0), "drive_frequency": (0.05, 2e3), "drive_amplitude": (1e-5, 1.0)}
-# Numbers without a power of ten: that of their first digit, and the most digits behind the point.
-_PLAIN, _MOST_PLACES = (-3, 5), 12
+# The least and the largest value that an experiment is likely to have [SI].
+USUAL_SIZES = {
+    "length": (5e-3, 70.0),
+    "drive_frequency": (0.05, 2e3),
+    "drive_amplitude": (1e-5, 1.0),
+}
+# Numbers without a power of ten: that of their first digit. Share of a number below which a
+# deviation is that of its rounding alone.
+_PLAIN, _ROUNDING = (-3, 5), 1e-13
 # Endings of the variables that go with an estimate.
 _PARTS = {
     "sigma": "standard deviation of",
@@ -40,6 +45,11 @@ class Estimate:
     """A fitted number with its standard deviation and 95 percent interval, in `unit`.
 
     Without an interval it is the value ± 1.96 standard deviations.
+
+    Examples
+    --------
+    >>> print(Estimate(0.0027429, 4e-6, "kg*m/s"), Estimate(1.0, 1e-14, "m"), sep="; ")
+    0.0027429 ± 0.0000040 kg m/s; 1 m
     """
 
     value: float
@@ -55,7 +65,8 @@ class Estimate:
             object.__setattr__(self, "high", self.value + TWO_SIDED * self.sigma)
 
     def __str__(self) -> str:
-        if not (math.isfinite(self.value) and math.isfinite(self.sigma)) or self.sigma <= 0.0:
+        is_known = math.isfinite(self.value) and math.isfinite(self.sigma)
+        if not is_known or self.sigma <= _ROUNDING * abs(self.value):
             text = as_read(f"{self.value:.6g}") if math.isfinite(self.value) else str(self.value)
         else:
             largest = math.floor(math.log10(max(abs(self.value), self.sigma)))
@@ -63,7 +74,7 @@ class Estimate:
             power = 0 if _PLAIN[0] <= largest <= _PLAIN[1] else largest
             value, sigma = (each / 10.0**power for each in (self.value, self.sigma))
             # Two digits of the deviation, and the value to the same place.
-            places = min(max(1 - math.floor(math.log10(sigma)), 0), _MOST_PLACES)
+            places = max(1 - math.floor(math.log10(sigma)), 0)
             text = f"{as_read(f'{value:.{places}f}')} ± {sigma:.{places}f}"
             text = f"({text}) \N{MULTIPLICATION SIGN} {as_read(f'1e{power}')}" if power else text
         unit = self.unit.replace("*", " ").replace("^2", "²")
@@ -346,5 +357,5 @@ def size_questions(numbers: Mapping[str, float]) -> list[Sentence]:
     return [
         said(f"unusual_{name}", value=value)
         for name, value in numbers.items()
-        if not _USUAL[name][0] <= abs(value) <= _USUAL[name][1]
+        if not USUAL_SIZES[name][0] <= abs(value) <= USUAL_SIZES[name][1]
     ]
