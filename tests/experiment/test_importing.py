@@ -116,6 +116,9 @@ def test_degrees_below_radians_are_asked_for_and_stay_as_they_are(tmp_path):
     assert questions[0] in table.attrs["assumed"]
     # Steps of more than half a turn are no jumps of a turn here.
     assert table.angle_1.values == pytest.approx(degrees, abs=1e-6)
+    # Where they would hang tells nothing before that is answered.
+    path = written(tmp_path, "t (s),angle (rad)\n" + lines(time, 179.0 + degrees))
+    assert len(asked_of(path)) == 1
     # A ball that goes round, and one that swings, are in radians.
     for angle in (20.0 * time, 3.0 * np.cos(5.2 * time), 2.5 + 0.1 * degrees):
         path = written(tmp_path, "t (s),angle (rad)\n" + lines(time, angle))
