@@ -125,12 +125,22 @@ KEPT_CODE = """async () => {
 }"""
 
 
+def _take_offline(visit):
+    """Take the network away, also from the worker, which may hear of it a little later."""
+    visit.context.set_offline(True)
+    [worker] = visit.context.service_workers
+    while worker.evaluate(
+        "() => fetch('files.js', { cache: 'no-store' }).then(() => true, () => false)"
+    ):
+        visit.wait_for_timeout(50)
+
+
 def test_the_site_opens_without_a_network_after_the_first_visit(visit, web):
     visit.goto(web[0])
     visit.wait_for_selector("[data-runs]")
     visit.evaluate("() => navigator.serviceWorker.ready")
     assert visit.evaluate(KEPT_CODE) == _code(web[1], is_scalar=False)
-    visit.context.set_offline(True)
+    _take_offline(visit)
     for query, ready in OFFLINE.items():
         visit.goto(f"{web[0]}?{query}")
         visit.wait_for_selector(ready)
@@ -141,13 +151,13 @@ def test_a_page_that_was_never_read_says_so_without_a_network(visit, web):
     visit.locator("#language").select_option("id")
     visit.get_by_role("button", name="Bagikan").wait_for()
     visit.evaluate("() => navigator.serviceWorker.ready")
-    visit.context.set_offline(True)
+    _take_offline(visit)
     visit.goto(f"{web[0]}docs/gallery.html")
     visit.locator(".message").get_by_text("belum tersimpan di perangkat ini").wait_for()
     visit.wait_for_selector("[data-runs]")
     visit.context.set_offline(False)
     visit.goto(f"{web[0]}docs/gallery.html")
-    visit.context.set_offline(True)
+    _take_offline(visit)
     visit.goto(f"{web[0]}docs/gallery.html")
     assert visit.title() == "examples"
 
