@@ -232,10 +232,12 @@ def _followed(
             free = scene
         if free.explained > scene.explained:
             scene = free
-    off = _check_distances(sample, geometry, route, scene.arm)
+    distances = _check_distances(sample, geometry, route, scene.arm)
     left_out = max(OFF_CIRCLE * scene.look.radius, OFF_SHARE * scene.arm)
-    if is_disc and len(off) and float(np.median(off)) > _OFTEN_OFF * left_out:
-        scene.unsure = float(np.sqrt(np.mean(off**2)))
+    # What always hides a part of the ball makes all distances wrong alike, and no pivot move.
+    varies = np.abs(distances - np.median(distances)) if len(distances) else np.zeros(1)
+    if is_disc and float(np.median(varies)) > _OFTEN_OFF * left_out:
+        scene.unsure = float(np.sqrt(np.mean((distances - scene.arm) ** 2)))
     scale = scale_of(setup, size, (scene.arm, 0.0), (scene.look.radius, 0.0))
     seen = refine(video, sample, scene, route, part_of(progress, _LEARNED, 1.0), corrections)
     if geometry.driven is not None:
@@ -436,8 +438,8 @@ def _check_distances(
 ) -> np.ndarray:
     """Refuse balls that are often off the circle, or oval, about the pivot, by their rough path.
 
-    Its radius is the `arm` [pixels], or before that is learned their typical distance. Returns how
-    far off they are in the sample, shape (place,) [pixels].
+    Its radius is the `arm` [pixels], or before that is learned their typical distance. Returns
+    their distances in the sample, shape (place,) [pixels].
     """
     places, shown_in = route.seen_in(sample.from_click)
     if not len(places):
@@ -445,9 +447,8 @@ def _check_distances(
     pivots = geometry.pivots[shown_in]
     distances = np.linalg.norm(geometry.tilt.flat(places - pivots), axis=-1)
     arm = arm or float(np.median(distances))
-    off = np.abs(distances - arm)
-    if np.mean(off > max(route.radius, _OFF * arm)) < _ASTRAY:
-        return np.asarray(off)
+    if np.mean(np.abs(distances - arm) > max(route.radius, _OFF * arm)) < _ASTRAY:
+        return np.asarray(distances)
     low, high = (f"{end:.0f}" for end in np.quantile(np.hypot(*(places - pivots).T), [0.05, 0.95]))
     place = place_text(np.median(pivots, axis=0))
     raise _fault(route, "other_pivot", {"low": low, "high": high, "place": place})

@@ -28,8 +28,9 @@ _SWAYS, _UNSURE, _LEAST_SINE = 5.0, 0.1, 1e-3
 # Share of what angles leave of the distances from a pivot in the picture that one harmonic may
 # leave for the picture not to show the pivot; how far off where it was pointed at that may be
 # [standard deviations], and the error of pointing, as a share of the arm. Share of the most that
-# angles may leave up to which the picture is believed.
-_BETTER, _AGREES, _POINTED, _CLOSE = 0.5, 4.0, 0.02, 0.5
+# angles may leave up to which the picture is believed, and share of the way by which the pivot that
+# it shows may move otherwise to be the one that the balls tell of.
+_BETTER, _AGREES, _POINTED, _CLOSE, _SAME = 0.5, 4.0, 0.02, 0.5, 0.15
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -173,7 +174,13 @@ def _unseen_drive(
     tracker = PivotTracker.unseen(
         np.asarray(pivot, float), lambda times: distorted(driven.pivots(times), size, optics)
     )
-    return Geometry(tracker, tracker.place_at(times) - tracker.origin, driven=driven)
+    told = tracker.place_at(times) - tracker.origin
+    if not shown.tracker.is_still:  # its distances may vary because of a shutter or a lens
+        own, way = (each - np.median(each, axis=0) for each in (shown.shifts, told))
+        differ, goes = (float(np.median(np.hypot(*each.T))) for each in (own - way, way))
+        if differ < _SAME * goes:
+            return None
+    return Geometry(tracker, told, driven=driven)
 
 
 def _oval(
