@@ -28,8 +28,8 @@ _SWAYS, _UNSURE, _LEAST_SINE = 5.0, 0.1, 1e-3
 # Share of what angles leave of the distances from a pivot in the picture that one harmonic may
 # leave for the picture not to show the pivot; how far off where it was pointed at that may be
 # [standard deviations], and the error of pointing, as a share of the arm. Share of the most that
-# angles may leave up to which the picture is believed, and share of the way by which the pivot that
-# it shows may move otherwise to be the one that the balls tell of.
+# angles may leave up to which the picture is believed, and share of the way by which the pivot in
+# the picture may move otherwise than the balls say and still be that pivot.
 _BETTER, _AGREES, _POINTED, _CLOSE, _SAME = 0.5, 4.0, 0.02, 0.5, 0.15
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
