@@ -94,6 +94,13 @@ def test_an_arm_that_stretches_is_no_pivot_that_moves():
     assert driven.amplitude == pytest.approx(5.0, abs=0.1)
 
 
+@pytest.mark.parametrize("count", [0, 5])
+def test_too_few_places_tell_of_no_drive(count):
+    places = np.full((len(TIMES), 1, 2), np.nan)
+    places[:count] = swing(drive=4.0)[:count]
+    assert drive_of(TIMES, places, np.array([160.0, -1000.0])) is None
+
+
 def test_a_swing_on_an_ellipse_is_no_motion_of_the_pivot():
     places = swing(ellipse=2.0)
     circle = circle_of(places)

@@ -7,7 +7,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 
@@ -175,10 +174,12 @@ def driven_circle(
     place, its amplitudes and their products. The best ones are polished: noise makes the equations
     prefer others.
     """
+    from scipy.signal import find_peaks
+
     count = [len(group) for group in places]
-    points = np.concatenate(places)
-    if len(points) < _FEWEST_DRIVEN:
+    if sum(count) < _FEWEST_DRIVEN:
         return None
+    points = np.concatenate(places)
     t = np.repeat(times - times[0], count)
     span = max(float(t.max()), 1e-9)
     fastest = max(min(_FASTEST, 0.5 / interval), _SLOWEST)
