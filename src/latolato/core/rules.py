@@ -238,8 +238,7 @@ def either_of(names: Sequence[str]) -> str:
     >>> print(either_of(["pendulum", "latolato"]))
     pendulum or latolato
     """
-    words: list[str] = [Word(name) for name in names]
-    return reduce(lambda a, b: sentence("either_of", first=a, other=b), words)
+    return _listed("either_of", [Word(name) for name in names])
 
 
 def each_of(parameters: Sequence[str]) -> str:
@@ -250,8 +249,12 @@ def each_of(parameters: Sequence[str]) -> str:
     >>> print(each_of(["right_length", "left_length"]))
     right_length and left_length
     """
-    names: list[str] = [name_gap(parameter) for parameter in parameters]
-    return reduce(lambda a, b: sentence("each_of", first=a, other=b), names)
+    return _listed("each_of", [name_gap(parameter) for parameter in parameters])
+
+
+def _listed(rule: str, names: Sequence[str]) -> str:
+    """Return names joined by a rule, pair by pair."""
+    return reduce(lambda a, b: sentence(rule, first=a, other=b), names)
 
 
 def broken_rule(
