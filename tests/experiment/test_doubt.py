@@ -291,6 +291,25 @@ def test_a_clock_or_a_length_that_nobody_has_is_questioned():
     assert "the clock (frame rate, slow motion)" in late.verdict
 
 
+@pytest.mark.parametrize(
+    "degrees, duration, damping, digits",
+    [(2.0, 20.0, 0.00274, 9), (2.0, 6.0, 0.0, 2), (3.0, 20.0, 0.0, 4), (2.0, 15.0, 0.03, 1)],
+)
+def test_degrees_that_a_table_calls_radians_are_asked_for(degrees, duration, damping, digits):
+    times = np.arange(0.0, duration, 1.0 / 25.0)
+    system = ll.Pendulum(length=0.363, mass=0.108, damping=damping)
+    run = ll.simulate(system, initial_angle=math.radians(degrees), times=times)
+    fit = ll.fit_decay(table_of(times, np.round(np.degrees(run.angle.values), digits)), **QUICK)
+    assert fit.doubt.startswith("It swings as a pendulum does at ")
+    assert "rad: are the angles in degrees, and the unit in the table wrong?" in fit.doubt
+
+
+@pytest.mark.parametrize("angle", [2.0, math.radians(2.0)])
+def test_no_unit_is_asked_for_where_the_stated_one_is_right(angle):
+    times = np.arange(0.0, 20.0, 1.0 / 30.0)
+    assert ll.fit_decay(table_of(times, swing(times, initial_angle=angle)), **QUICK).describes
+
+
 def test_files_json_and_pages_hold_the_doubt(tmp_path):
     table = cut_out(3.7, at=6.0, duration=16.0)
     write_table(table, tmp_path / "cut.csv")

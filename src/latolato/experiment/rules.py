@@ -127,13 +127,13 @@ RULES = {
         "The equation does not describe this record{scatter}: it fails from {time:.4g} s on, and "
         "it looks as if {reason}."
     ),
-    "taken_for_degrees": Rule(
-        "its period changes with the size of the swing as if the angles were degrees: radians seem "
-        "to have been taken for degrees{growth}"
+    "seems_swing_in_radians": Rule(
+        "It swings as a pendulum does at {size:.3g} rad, not at {size:.3g}°: are the angles in "
+        "radians, and the unit in the table wrong?"
     ),
-    "taken_for_radians": Rule(
-        "its period does not change with the size of the swing as a pendulum's does; degrees were "
-        "taken for radians, or this is no pendulum{growth}"
+    "seems_swing_in_degrees": Rule(
+        "It swings as a pendulum does at {size:.3g}°, not at {size:.3g} rad: are the angles in "
+        "degrees, and the unit in the table wrong? If not, it is no pendulum."
     ),
     "other_drag": Rule("its drag is not {law} but rather {other}: use law 'best'{growth}"),
     "grows_at": Rule("; the swing grows by {rate:.3g} 1/s"),

@@ -13,6 +13,7 @@ from latolato.core.errors import InputError, Sentence, Word
 from latolato.experiment.fits.adequacy import (
     SHORTEST,
     SMALL,
+    STRONG,
     Cut,
     Kind,
     changes,
@@ -35,6 +36,7 @@ from latolato.experiment.fits.result import Adequacy
 from latolato.experiment.fits.samples import noise_of, turn_words
 from latolato.experiment.fits.sight import pivot_doubt
 from latolato.experiment.fits.swings import period_factor
+from latolato.experiment.fits.windows import START
 from latolato.experiment.rules import said
 
 # Samples that explanations of a whole record are fitted to, in so many trials, and what they must
@@ -46,8 +48,8 @@ _UNSURE = 0.1
 _MOST_PERIODS = 1000
 # Breaks that nothing which lasts can look like.
 _SUDDEN = ("phase jump", "two films", "shifted angle", "another rest")
-# Factors to other units, and what is wrong if angles times that are those of a pendulum.
-_UNITS = ((180.0 / math.pi, "taken_for_degrees"), (math.pi / 180.0, "taken_for_radians"))
+# Factors to other units, and what to ask if angles times that are those of a pendulum.
+_UNITS = ((180.0 / math.pi, "seems_swing_in_radians"), (math.pi / 180.0, "seems_swing_in_degrees"))
 # Standard deviations from which a growth is seen.
 _GROWS = 3.0
 # Scatter over noise that is worth telling.
@@ -103,7 +105,10 @@ def doubt_of(
     try:
         cut = first_cut(data, whole, fit_part, SHORTEST * period)
     except ConvergenceError:
-        return Adequacy(said("not_described", scatter=size), "unknown"), whole
+        cut, few = None, Adequacy(said("not_described", scatter=size), "unknown")
+    other_unit = _unit_doubt(data, whole, cut, terms, aside)
+    if other_unit is not None:
+        return other_unit, whole
     if cut is None:
         return few or Adequacy(), whole
     bend = cut.bend(whole, data)
@@ -112,63 +117,93 @@ def doubt_of(
         return Adequacy(note=note), widened(whole, cut, ("natural_frequency", *terms))
     kind, reason = _of_cut(cut)
     if kind not in _SUDDEN:
-        other = _of_whole(data, whole, cut, terms, aside)
-        if other is not None:
-            return Adequacy(said("other_equation", reason=other[1]), other[0]), whole
+        drag = _of_drag(data, whole, cut, terms, aside)
+        if drag is not None:
+            return Adequacy(said("other_equation", reason=drag), "drag law"), whole
     broken = said("broken_record", scatter=size, time=cut.instant, reason=reason)
     return Adequacy(broken, kind, cut.instant), whole
 
 
-def _of_whole(
-    data: Data, whole: Solution, cut: Cut, terms: Sequence[str], aside: Mapping[str, Guess]
-) -> tuple[str, Sentence] | None:
-    """An explanation of the whole record by other units or another drag: a kind, and its words.
+def _unit_doubt(
+    data: Data,
+    whole: Solution,
+    cut: Cut | None,
+    terms: Sequence[str],
+    aside: Mapping[str, Guess],
+) -> Adequacy | None:
+    """A question about the unit of angles, None where no other one explains a record.
 
-    It must gain most of what two parts do, and its numbers may not change within the record.
+    Period and shape of a swing depend on its size in radians, whatever a table calls it.
     """
-    few = data[:: max(1, len(data) // _ENOUGH)]
-    p = {**dict.fromkeys(COEFFICIENTS, 1e-3), **whole.values}
+    few, plain = _few(data, whole, terms, aside)
+    p = whole.values
     size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
-    tries: list[tuple[Data, Mapping[str, float], Sequence[str], str, dict[str, Word]]] = []
     for factor, rule in _UNITS:
         other = replace(few, values=factor * few.values, sigmas=factor * few.sigmas)
-        if np.ptp(other.values) < math.tau:
-            slower = period_factor(factor * size) / period_factor(size)
-            scaled = {n: factor * p[n] for n in ("initial_angle", "angle_offset")}
-            scaled["initial_angular_velocity"] = factor * p["initial_angular_velocity"] * slower
-            scaled["natural_frequency"] = p["natural_frequency"] * slower
-            tries.append((other, {**p, **scaled}, terms, rule, {}))
+        slower = period_factor(factor * size) / period_factor(size)
+        if np.ptp(other.values) > math.tau or abs(slower - 1.0) < SMALL:
+            continue
+        scaled = {name: factor * p[name] for name in (*START, "angle_offset")}
+        scaled["initial_angular_velocity"] *= slower
+        scaled["natural_frequency"] = p["natural_frequency"] * slower
+        try:
+            solution = fit_equation(other, {**p, **scaled}, terms, aside, limit=_TRIES)
+        except InputError:
+            continue
+        if plain - deviance([solution]) > max(STRONG, _least(cut, few, data)):
+            stated = 0.5 * float(max(np.ptp(few.values), np.ptp(other.values)))
+            return Adequacy(said(rule, size=stated), "unit", is_in_record=False)
+    return None
+
+
+def _of_drag(
+    data: Data, whole: Solution, cut: Cut, terms: Sequence[str], aside: Mapping[str, Guess]
+) -> Sentence | None:
+    """An explanation of the record by another drag, whose numbers do not change within it."""
+    few, plain = _few(data, whole, terms, aside)
+    p = {**dict.fromkeys(COEFFICIENTS, 1e-3), **whole.values}
+    size = amplitude_at(p["initial_angle"], p["initial_angular_velocity"], p["natural_frequency"])
     drag, rate = max(abs(p["linear"]), 1e-3), p["natural_frequency"]
     starts = {
         "linear": 0.5 * drag,
         "quadratic": drag / (rate * size),
         "coulomb": drag * rate * size,
     }
-    for laws in _LAWS:
-        if laws != tuple(terms):
-            names = {"law": Word("+".join(terms)), "other": Word("+".join(laws))}
-            tries.append((few, {**p, **starts}, laws, "other_drag", names))
-    try:
-        plain = deviance([fit_equation(few, whole.values, terms, aside, limit=_TRIES)])
-    except InputError:
-        return None
     found = []
-    for samples, start, drags, rule, names in tries:
+    for laws in _LAWS:
+        if laws == tuple(terms):
+            continue
         try:
-            solution = fit_equation(samples, start, drags, aside, limit=_TRIES)
+            solution = fit_equation(few, {**p, **starts}, laws, aside, limit=_TRIES)
         except InputError:
             continue
         shortest = SHORTEST * math.tau / solution.values["natural_frequency"]
         gain = plain - deviance([solution])
-        if gain < _MOST * cut.gain * len(few) / len(data):
+        if gain < _least(cut, few, data):
             continue
-        if place_of_change(samples, solution, shortest) is None:
+        if place_of_change(few, solution, shortest) is None:
             rate = 0.5 * solution.values.get("linear", 0.0)
             grows = rate < 0.0 and rate < -0.5 * _GROWS * solution.sigma("linear")
             growth = said("grows_at", rate=-rate) if grows else ""
-            kind = "drag law" if names else "unit"
-            found.append((gain, kind, said(rule, **names, growth=growth)))
-    return max(found)[1:] if found else None
+            names = {"law": Word("+".join(terms)), "other": Word("+".join(laws))}
+            found.append((gain, said("other_drag", **names, growth=growth)))
+    return max(found)[1] if found else None
+
+
+def _few(
+    data: Data, whole: Solution, terms: Sequence[str], aside: Mapping[str, Guess]
+) -> tuple[Data, float]:
+    """Samples enough for an explanation of a whole record, and the deviance of its fit to them."""
+    few = data[:: max(1, len(data) // _ENOUGH)]
+    try:
+        return few, deviance([fit_equation(few, whole.values, terms, aside, limit=_TRIES)])
+    except InputError:
+        return few, -math.inf
+
+
+def _least(cut: Cut | None, few: Data, data: Data) -> float:
+    """What an explanation of a whole record must gain: most of what two parts do."""
+    return _MOST * cut.gain * len(few) / len(data) if cut is not None else 0.0
 
 
 def _pace_words(pace: float) -> Sentence:
