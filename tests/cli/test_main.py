@@ -519,6 +519,8 @@ def test_what_is_wrong_in_a_scenario_is_called_as_there_and_what_is_typed_by_its
     ball = "{length = 0.2, mass = 1, radius = 0.01}"
     path.write_text(f"[system]\nkind = 'ballpair'\nright = {ball}\nleft.length = 0.2\n")
     assert "pair.toml: Ball needs 'left.mass' [kg]" in refused(capsys, "simulate", str(path))
+    path.write_text(path.read_text() + "left.mass = -2\n")
+    assert "pair.toml: left.mass must lie in (0, inf) kg" in refused(capsys, "simulate", str(path))
     given = ["--left-mass", "-1"]
     assert refused(capsys, "simulate", str(path), *given).startswith("--left-mass must lie in")
 

@@ -251,7 +251,9 @@ class InputError(ValueError):
         if self.parameter is not None:
             if _NAME not in text and _READERS_NAME not in text:
                 text = f"{_NAME} {text}"
-            for gap, each in (_NAME, str(name)), (_READERS_NAME, self.name_of(str(name), "")):
+            readers = self.name_of(str(name), "")
+            own = readers if self.is_of_file else str(name)
+            for gap, each in (_NAME, own), (_READERS_NAME, readers):
                 if each.startswith(("\u201c", "--")):  # a label has quotes, a flag needs none
                     text = text.replace(f"'{gap}'", gap)
                 text = text.replace(gap, each)

@@ -238,18 +238,20 @@ class Scenario:
 
 
 def entry_of(parameter: str, value: str = "") -> str:
-    """Return what a scenario's file calls a parameter, below the table of its law.
+    """Return what a scenario's file calls a parameter, with its table where that is in its name.
 
     Examples
     --------
-    >>> entry_of("right_length"), entry_of("length"), entry_of("suspension", "rod")
-    ('right.length', 'length', "suspension='rod'")
+    >>> entry_of("right_length"), entry_of("drive_times"), entry_of("suspension", "rod")
+    ('right.length', 'drive.times', "suspension='rod'")
     """
     from latolato.scenario.options import law_options
 
-    options = law_options()
-    path = options[parameter].path if parameter in options else ()
-    return python_name(".".join(path) if len(path) > 1 else parameter, value)
+    option = law_options().get(parameter)
+    for path in (option.path, (option.owner, *option.path)) if option else ():
+        if "_".join(path) == parameter:
+            return python_name(".".join(path), value)
+    return python_name(parameter, value)
 
 
 def load_scenario(source: str | Path) -> Scenario:
