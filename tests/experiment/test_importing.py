@@ -79,7 +79,11 @@ def test_an_object_in_the_names_of_columns_is_a_track(tmp_path, names):
 
 
 def test_sides_and_numbers_in_the_names_of_columns_are_two_balls(tmp_path):
-    for names in ("left angle (rad),right angle (rad)", "theta2 [rad],theta1 [rad]"):
+    for names in (
+        "left angle (rad),right angle (rad)",
+        "theta2 [rad],theta1 [rad]",
+        "Angle of pendulum 2 (rad),Angle of pendulum 1 (rad)",
+    ):
         path = written(tmp_path, f"t [s],{names}\n" + lines(TIME, -ANGLE, ANGLE))
         assert import_table(path).angle_1.values == pytest.approx(ANGLE, abs=1e-6)
     path = written(tmp_path, "t [s],theta1 [rad],theta2 [rad],theta3 [rad]\n0,1,2,3\n1,1,2,3\n")
@@ -89,6 +93,18 @@ def test_sides_and_numbers_in_the_names_of_columns_are_two_balls(tmp_path):
     path = written(tmp_path, "t [s],Gyroscope x,Acceleration x,Acceleration y\n0,1,2,3\n1,1,2,3\n")
     with pytest.raises(ll.InputError, match="not clear which column is angle_1"):
         import_table(path)
+
+
+@pytest.mark.parametrize("name", ["Pendulum angle", "Measured angle of the rod", "Winkel (Stab)"])
+def test_the_one_column_of_an_angle_is_the_angle_whatever_it_is_called(tmp_path, name):
+    for others, values in ("", []), (",Angular velocity (rad/s),Height (cm)", [TIME, TIME]):
+        text = f"t (s),{name} (rad){others}\n" + lines(TIME, ANGLE, *values)
+        table = import_table(written(tmp_path, text))
+        assert table.angle_1.values == pytest.approx(ANGLE, abs=1e-6)
+        assert "angle_2" not in table
+    text = "t (s),Roll angle (rad),Yaw angle (rad)\n" + lines(TIME, ANGLE, ANGLE)
+    with pytest.raises(ll.InputError, match="not clear which column is angle_1"):
+        import_table(written(tmp_path, text))
 
 
 def test_a_table_of_times_alone_is_refused(tmp_path):

@@ -47,7 +47,9 @@ _OWN_CLOCKS = ("seconds_elapsed", "time since start")
 _FRAMES = ("frame", "frames", "frame number", "frame no", "image", "slice", "bild")
 # Tracks that are the pivot and not a ball, and words for a ball: "y pivot", "ball 2 x".
 _PIVOTS = ("pivot", "suspension", "hand", "support", "aufhängung", "drehpunkt", "poros")
-_BALLS = ("ball", "bob", "mass", "kugel", "bola", "bandul")
+_BALLS = (
+    "ball", "bob", "mass", "pendulum", "kugel", "pendel", "bola", "péndulo", "pendolo", "bandul",
+)  # fmt: skip
 # What tells one ball from another beside a number, and what says nothing in the name of a column.
 _SIDES, _EMPTY_WORDS = ("left", "right"), ("position", "of", "the")
 _WORD = re.compile(r"[^\W\d_]+|\d+")
@@ -362,13 +364,24 @@ def _usual_tracks(section: Section) -> dict[str, dict[str, str]]:
 
 
 def _candidates(section: Section) -> dict[tuple[str, str], list[SourceColumn]]:
-    """Return the columns that may be the angle, x or y of each track."""
+    """Return the columns that may be the angle, x or y of each track.
+
+    Where none is called as usual, one alone whose name and unit are those of an angle is that.
+    """
     found: dict[tuple[str, str], list[SourceColumn]] = {}
     for column in section.columns:
         meant = _meant(column) if column.kind == "numbers" else None
         if meant is not None:
             found.setdefault(meant, []).append(column)
+    angles = [c for c in section.columns if c.unit and _may_be(c, "rad") and _has_angle(c)]
+    if not found and len(angles) == 1:
+        found["angle", angles[0].track] = angles
     return found
+
+
+def _has_angle(column: SourceColumn) -> bool:
+    """Return whether the name of a column speaks of an angle, of whatever."""
+    return any(word in _ANGLES for word in _WORD.findall(column.name.lower()))
 
 
 def _meant(column: SourceColumn) -> tuple[str, str] | None:
