@@ -406,7 +406,7 @@ def test_json_knows_no_infinity_and_shortens_long_arrays():
     assert told["long"] == {"units": "1", "dims": {"b": 1001}, "range": [0.0, 2.0]}
     assert told["roots_imag"]["values"] == [2.0]
     lines = as_lines(found)
-    assert lines["short"] == "no value, -∞, 1"
+    assert lines["short"] == "no value, \N{MINUS SIGN}∞, 1"
     assert lines["long"] == "0 to 2 (1001 values)"
     assert lines["which"] == "8 x, 4 y"
     assert lines["roots"] == "1 + 2 i"

@@ -98,7 +98,7 @@ def _number(value: Any) -> str:
     """Return one value as text."""
     if isinstance(value, complex):
         real, imaginary = as_read(f"{value.real:.6g}"), as_read(f"{abs(value.imag):.6g}")
-        sign = "-" if value.imag < 0.0 else "+"
+        sign = "\N{MINUS SIGN}" if value.imag < 0.0 else "+"
         return local(f"{real} {sign} {imaginary} i" if value.imag else real)
     if isinstance(value, float):
         if math.isnan(value):

@@ -92,19 +92,21 @@ _POWER = 6
 
 
 def as_read(number: str) -> str:
-    """Return a number that Python wrote as people write it in a sentence, with a power of ten.
+    """Return a number that Python wrote as people write it, with a minus sign and a power of ten.
 
     Examples
     --------
-    >>> as_read("2.6e+02"), as_read("-0.00"), as_read("8.2e-05")[-3:]
-    ('260', '0.00', '0⁻⁵')
+    >>> as_read("2.6e+02"), as_read("-0.00"), as_read("8.2e-05")[-3:], as_read("-0.5")[1:]
+    ('260', '0.00', '0⁻⁵', '0.5')
     """
     digits, marked, power = number.partition("e")
     if marked and not 0 <= int(power) < _POWER:
         factor = digits[:-1] if digits in ("1", "-1") else f"{digits} \N{MULTIPLICATION SIGN} "
-        return f"{factor}10{str(int(power)).translate(_SUPERSCRIPTS)}"
-    text = f"{float(number):.0f}" if marked else number
-    return text.removeprefix("-") if not text.strip("-0.") else text
+        text = f"{factor}10{str(int(power)).translate(_SUPERSCRIPTS)}"
+    else:
+        text = f"{float(number):.0f}" if marked else number
+        text = text if text.strip("-0.") else text.removeprefix("-")
+    return text.replace("-", "\N{MINUS SIGN}")
 
 
 class _Sentences(Formatter):

@@ -226,7 +226,7 @@ test("a rule without a translation is in English", () => {
 
 test("numbers in sentences can be read at a glance", () => {
   assert.deepEqual([0, 12, 0.25, 1e300, 1.5e-7, -3.25e40, 2 ** 63, 9007199254740991, Infinity].map((each) => inProse(each)),
-    ["0", "12", "0.25", "10³⁰⁰", "1.5 × 10⁻⁷", "-3.25 × 10⁴⁰", "2⁶³", "9007199254740991", "∞"]);
+    ["0", "12", "0.25", "10³⁰⁰", "1.5 × 10⁻⁷", "−3.25 × 10⁴⁰", "2⁶³", "9007199254740991", "∞"]);
 });
 
 test("numbers that a sentence is given are read at a glance too, what somebody typed stays", () => {

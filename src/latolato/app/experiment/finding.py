@@ -354,7 +354,6 @@ def plus_minus(value: float, error: float) -> str:
     ('0.38 ± 0.04', '1.5')
     """
     if not (error > 0.0 and math.isfinite(error)):
-        return f"{value:.3g}"
+        return as_read(f"{value:.3g}")
     places = max(-math.floor(math.log10(error)) + (1 if f"{error:.0e}"[0] == "1" else 0), 0)
-    number = as_read(f"{value:.{places}f}").replace("-", "\N{MINUS SIGN}")
-    return f"{number} ± {error:.{places}f}"
+    return f"{as_read(f'{value:.{places}f}')} ± {error:.{places}f}"

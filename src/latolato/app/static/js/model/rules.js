@@ -201,15 +201,15 @@ export function literal(value) {
 }
 
 /**
- * Return a number that a program wrote as people write it in a sentence, as `latolato.core.errors.as_read`.
+ * Return a number that a program wrote as people write it, as `latolato.core.errors.as_read`.
  * @param {string} number
  */
 export function asRead(number) {
   const [digits, power] = number.split("e");
   if (power !== undefined && !(Number(power) >= 0 && Number(power) < POWER))
-    return `${/^-?1$/.test(digits) ? digits.slice(0, -1) : `${digits} × `}10${superscript(Number(power))}`;
+    return `${/^-?1$/.test(digits) ? digits.slice(0, -1) : `${digits} × `}10${superscript(Number(power))}`.replace("-", "−");
   const text = power === undefined ? number : String(Number(number));
-  return /^-[0.]*$/.test(text) ? text.slice(1) : text;
+  return text.replace("-", /^-[0.]*$/.test(text) ? "" : "−");
 }
 
 /**

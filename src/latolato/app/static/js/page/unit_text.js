@@ -92,6 +92,9 @@ export function localShort(value, digits) {
   return local(short(value, digits));
 }
 
+/** @param {string} text */
+const localRead = (text) => local(asRead(text));
+
 /**
  * Return a number to the place of the second digit of its standard deviation, with that.
  * @param {number} value
@@ -99,15 +102,14 @@ export function localShort(value, digits) {
  * @returns {string}
  */
 export function withSigma(value, sigma) {
-  const minus = (/** @type {string} */ text) => local(asRead(text).replace("-", "−"));
   if (!Number.isFinite(value)) return "–";
-  if (!(sigma > 0) || !Number.isFinite(sigma)) return minus(short(value));
+  if (!(sigma > 0) || !Number.isFinite(sigma)) return localRead(short(value));
   const largest = Math.floor(Math.log10(Math.max(Math.abs(value), sigma)));
   // Small and large numbers as powers of ten, to be read at a glance.
   const power = largest < -3 || largest > 5 ? largest : 0;
   const [a, b] = [value / 10 ** power, sigma / 10 ** power];
   const digits = Math.min(Math.max(1 - Math.floor(Math.log10(b)), 0), 12);
-  const both = `${minus(a.toFixed(digits))} ± ${local(b.toFixed(digits))}`;
+  const both = `${localRead(a.toFixed(digits))} ± ${local(b.toFixed(digits))}`;
   return power ? `(${both}) × 10${superscript(power)}` : both;
 }
 
@@ -118,16 +120,15 @@ export function withSigma(value, sigma) {
  * @returns {string}
  */
 export function toPlace(value, sigma) {
-  const minus = (/** @type {string} */ text) => local(asRead(text).replace("-", "−"));
   const digits = 1 - Math.floor(Math.log10(sigma));
   if (digits >= 0 && digits <= 12 && Math.max(Math.abs(value), sigma) >= SMALL)
-    return minus(value.toFixed(digits));
+    return localRead(value.toFixed(digits));
   // Small and large numbers as powers of ten, with the figures down to that place.
   const steps = Math.round(value * 10 ** digits);
   if (steps === 0) return "0";
-  if (!Number.isFinite(steps)) return minus(short(value, 5));
+  if (!Number.isFinite(steps)) return localRead(short(value, 5));
   const figures = Math.floor(Math.log10(Math.abs(steps))) + 1;
-  return minus(short(steps / 10 ** digits, Math.min(figures, 12)));
+  return localRead(short(steps / 10 ** digits, Math.min(figures, 12)));
 }
 
 const LETTERS = { theta: "θ", omega: "ω", varphi: "φ", gamma: "γ", delta: "δ", tau: "τ",
