@@ -16,7 +16,7 @@ from latolato.analysis.checks import (
     check_span,
     checked_periodic,
 )
-from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.registry import analyses, labelled, note, warn
 from latolato.analysis.rules import broken_analysis
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
@@ -218,17 +218,13 @@ def basins(
     )
     labels, others = place[both[:count]], place[both[count:]]
     uncertain = (labels != others).reshape(shape)
-    doubt = (
-        f"{100.0 * uncertain.mean():.3g} % of the starts lead elsewhere at a tolerance of "
-        f"{check_tolerance:.1g} rad: their basin is uncertain"
-    )
+    doubt = None
+    if uncertain.any():
+        share = 100.0 * float(uncertain.mean())
+        doubt = note("uncertain_basins", percent=share, tolerance=check_tolerance)
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
-        warn(
-            f"{100.0 * unsettled:.1f} % of the starts lead to motion that has not settled after "
-            f"{transient_periods:g} drive periods: they belong to no attractor; raise "
-            "transient_periods"
-        )
+        warn("unsettled_starts", percent=100.0 * unsettled, periods=transient_periods)
     table = np.append(numbers, UNRESOLVED)[labels].reshape(shape)
     places = ("initial_angle", "initial_angular_velocity")
     variables: dict[str, Any] = {
@@ -253,7 +249,7 @@ def basins(
         settings={
             "check_tolerance": check_tolerance,
             "numbers_used": used,
-            "message": doubt if uncertain.any() else None,
+            "message": doubt,
         },
     )
 

@@ -31,10 +31,10 @@ from latolato.analysis.orbits import (
     scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.self_start import resting_angles
 from latolato.analysis.special_point import SpecialPoint, check_left_out
-from latolato.core.errors import InputError, name_gap
+from latolato.core.errors import InputError, Word, joined, name_gap
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
@@ -202,16 +202,14 @@ def bifurcation_curve(
         curve_points, specials, ends = _both_ways(curve, first, points, progress)
         status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
-        words = kind.replace("_", " ")
-        shakes = "one drive period" if period == 1 else f"{period} drive periods"
         pairs = zip(plane.names, plane.values, strict=True)
-        where = ", ".join(f"{name} = {value:.6g}" for name, value in pairs)
-        warn(
-            f"no {words} of a motion of {shakes} was found near {where}; begin at a "
-            "special point of continue_orbit"
-            if status == "not found"
-            else f"two bifurcations fall on one point near {where}, or it is no {words}"
-        )
+        where = joined([said("value_of", name=name_gap(n), value=v) for n, v in pairs], ", ")
+        rule = "no_bifurcation" if period == 1 else "no_bifurcation_of_several"
+        values = {"kind": Word(kind.replace("_", " ")), "where": where}
+        if status == "not found":
+            warn(rule, period=period, **values)
+        else:
+            warn("two_bifurcations", **values)
     return labelled(
         _variables(plane, condition, curve_points, specials)
         | {"status": status, "end_reason": ("end", np.array(ends, dtype="U20"))},

@@ -16,9 +16,9 @@ from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
 from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
 from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, warn
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
-from latolato.core.errors import name_gap
+from latolato.core.errors import Word, name_gap
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import Quantity
 from latolato.core.registry import checked_number
@@ -204,13 +204,15 @@ def continue_orbit(
             places.append(beyond)
             status = _follow(branch, places, specials, points)
     if status in ("not found", "lost"):
-        where = f" at {parameter} = {places[-1].value:.9g}" if places else ""
-        hint = "; try a start on the attractor"
-        if places:
+        if not places:
+            warn("branch_not_found")
+        else:
+            where = said("value_of", name=name_gap(parameter), value=float(places[-1].value))
             why = specials[-1][0].replace("_", " ") if specials else ""
-            near = bool(why) and specials[-1][1].value == places[-1].value
-            hint = f", by {why}" if near else ": Newton's method fails with the shortest steps"
-        warn(f"the branch was {status}{where}{hint}")
+            if why and specials[-1][1].value == places[-1].value:
+                warn("branch_lost_by", where=where, kind=Word(why))
+            else:
+                warn("branch_lost", where=where)
     variables = _variables(branch, places, specials) | {"status": status}
     about = known.quantity
     result = labelled(

@@ -197,10 +197,7 @@ def first_passage_time(
     known = has_answer(grid.status)
     result = _statistics(times[known], duration)
     if result["status"] == NONE:
-        warn(
-            f"no trajectory of {trajectories} reached {threshold_angle:g} rad within {duration:g} "
-            "s: the mean is unknown; wait longer or raise noise_strength"
-        )
+        warn("none_reached", count=trajectories, angle=threshold_angle, duration=duration)
     return labelled(
         {"first_passage": ("trajectory", times)} | result,
         system=system,

@@ -20,7 +20,9 @@ from latolato.analysis.orbits import (
     multipliers_of,
     scale_of,
 )
-from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.registry import analyses, labelled, note, warn
+from latolato.analysis.rules import said
+from latolato.core.errors import Word
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -137,16 +139,10 @@ def floquet(
     orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
     if result["status"] == "not found":
-        warn(
-            f"no motion of period {period} was found from this start (defect "
-            f"{orbit.defect:.2g}); try a start on the attractor, or another period"
-            f"{'; strings must be taut at time zero' if flow.is_string else ''}"
-        )
+        string = said("taut_start") if flow.is_string else ""
+        warn("no_orbit", period=period, defect=float(orbit.defect), string=string)
     elif result["status"] in ("grazing", "contradicted"):
-        warn(
-            f"the multipliers are doubtful ({result['status']}): an impact is nearly missed, or "
-            "the determinant or finite differences disagree"
-        )
+        warn("doubtful_multipliers", status=Word(result["status"]))
     return labelled(
         dimensioned(result, system),
         system=system,
@@ -163,10 +159,7 @@ def shorter_period(smallest: Any, period: int) -> str | None:
     """Return a message about a motion that has a shorter period than was wanted."""
     if smallest not in range(1, period):
         return None
-    return (
-        f"the motion repeats after {smallest:g} of {period} drive periods already; another "
-        f"start may lead to one of period {period}, if there is any"
-    )
+    return note("shorter_period", smallest=float(smallest), period=period)
 
 
 def describe_orbit(orbit: Orbit) -> dict[str, object]:

@@ -76,11 +76,7 @@ def inverted_limits(
         "never stable" if math.isnan(low) else "no upper limit" if math.isnan(high) else "found"
     )
     if status != "found":
-        what = "lower" if math.isnan(low) else "upper"
-        warn(
-            f"no {what} limit was found up to drive_amplitude {largest:g} m; raise "
-            "largest_amplitude_ratio or frequency_ratio"
-        )
+        warn("no_lower_limit" if math.isnan(low) else "no_upper_limit", largest=largest)
     return labelled(
         {"low": low, "high": high, "status": status},
         system=system,

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from contextvars import ContextVar
 from dataclasses import replace
 from functools import cache, wraps
 from inspect import signature
@@ -11,7 +13,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from latolato.core.errors import is_quantity
+from latolato.analysis.rules import said
+from latolato.core.errors import Sentence, is_quantity
 from latolato.core.parameters import Parameter, function_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Given, Registry, checked_array, describe, flattened
@@ -97,9 +100,33 @@ def _checked(parameter: Parameter, value: Any) -> Any:
 analyses = Analyses("analysis")
 
 
-def warn(text: str) -> None:
-    """Warn the caller of an analysis that it has no answer, or a doubtful one."""
+def warn(rule: str, /, **values: Any) -> None:
+    """Warn the caller of an analysis, by a rule, that it has no answer, or a doubtful one."""
+    text = said(rule, **values)
     warnings.warn(text, RuntimeWarning, stacklevel=4)  # past the analysis and its checks
+
+
+_NOTES: ContextVar[list[Sentence] | None] = ContextVar("notes", default=None)
+
+
+def note(rule: str, /, **values: Any) -> str:
+    """Return the message that a result has by a rule, as plain text that files can hold."""
+    sentence = said(rule, **values)
+    notes = _NOTES.get()
+    if notes is not None:
+        notes.append(sentence)
+    return str(sentence)
+
+
+@contextmanager
+def noting() -> Iterator[list[Sentence]]:
+    """Collect the messages of results with their parts, which pages translate."""
+    notes: list[Sentence] = []
+    token = _NOTES.set(notes)
+    try:
+        yield notes
+    finally:
+        _NOTES.reset(token)
 
 
 # What several analyses name.

@@ -12,9 +12,10 @@ from latolato.analysis.checks import (
     TransientPeriods,
     checked_periodic,
 )
-from latolato.analysis.registry import analyses, labelled
+from latolato.analysis.registry import analyses, labelled, note
 from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
+from latolato.core.errors import Word
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -151,17 +152,12 @@ def _message(values: dict[str, Any], longest: int, transient_periods: float) -> 
     """Return why there is no answer, or a doubtful one, and what to try."""
     status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
-        return (
-            f"no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
-            f"{transient_periods:g} drive periods of transient; try a longer one"
-        )
+        return note("aperiodic_run", longest=longest, left=left, periods=transient_periods)
     if status == "not settled":
-        return (
-            f"after {transient_periods:g} drive periods the motion is still changing: try "
-            f"transient_periods of {4.0 * max(transient_periods, 3.0 * longest):g}"
-        )
+        longer = 4.0 * max(transient_periods, 3.0 * longest)
+        return note("still_changing", periods=transient_periods, longer=longer)
     if status == "grazing":
-        return "an impact is nearly grazing: the period may change with the smallest change"
+        return note("grazing_period")
     if not math.isfinite(float(values["response_period"])):
-        return f"the run ended with status {status}: there is no answer"
+        return note("ended_run", status=Word(status))
     return None

@@ -6,8 +6,10 @@ The pages translate a sentence by the name of its rule, as those of `latolato.co
 from __future__ import annotations
 
 from functools import partial
+from typing import Any
 
-from latolato.core.rules import Rule, broken_rule
+from latolato.core.errors import Sentence
+from latolato.core.rules import Rule, broken_rule, sentence
 
 _NO_WALLS = (
     "choose the system Pendulum, which has no walls, with the length, mass and damping of one ball"
@@ -179,6 +181,98 @@ RULES = {
     "range_of_values": Rule("must be low : high : count"),
     "most_values": Rule("may have {limit} values at most"),
     "true_or_false": Rule("must be true or false"),
+    # doubts about results
+    "unsettled_starts": Rule(
+        "{percent:.3g} % of the starts lead to motion that has not settled after {periods:g} drive "
+        "periods: they belong to no attractor; raise {@transient_periods}"
+    ),
+    "uncertain_basins": Rule(
+        "{percent:.3g} % of the starts lead elsewhere at a tolerance of {tolerance:.1g} rad: their "
+        "basin is uncertain"
+    ),
+    "value_of": Rule("{name} = {value:.6g}"),
+    "no_bifurcation": Rule(
+        "no {kind} of a motion of one drive period was found near {where}; begin at a special "
+        "point of continue_orbit"
+    ),
+    "no_bifurcation_of_several": Rule(
+        "no {kind} of a motion of {period} drive periods was found near {where}; begin at a "
+        "special point of continue_orbit"
+    ),
+    "two_bifurcations": Rule("two bifurcations fall on one point near {where}, or it is no {kind}"),
+    "branch_not_found": Rule("the branch was not found; try a start on the attractor"),
+    "branch_lost": Rule(
+        "the branch was lost at {where}: Newton's method fails with the shortest steps"
+    ),
+    "branch_lost_by": Rule("the branch was lost at {where}, by {kind}"),
+    "none_reached": Rule(
+        "no trajectory of {count} reached {angle:g} rad within {duration:g} s: the mean is "
+        "unknown; wait longer or raise {@noise_strength}"
+    ),
+    "slack_threshold": Rule(
+        "at {@frequency_ratio} {ratio:g} the string goes slack at a drive that leaves hanging "
+        "stable; choose a slower one or give {@suspension=rod}"
+    ),
+    "no_threshold": Rule(
+        "no drive up to {largest:g} length makes hanging unstable at {@frequency_ratio} "
+        "{ratio:g}; raise {@largest_amplitude_ratio} or choose a ratio nearer to 2/n"
+    ),
+    "slack_tongue": Rule(
+        "at {@drive_amplitude} {amplitude:g} m the pivot falls faster than a ball on a slack "
+        "string before the tongue ends; lower it or give {@suspension=rod}"
+    ),
+    "closed_tongue": Rule(
+        "the tongue of order {order} is closed at {@drive_amplitude} {amplitude:g} m; raise it or "
+        "lower the damping"
+    ),
+    "no_push_helps": Rule(
+        "no push up to {push:.3g} rad/s leads to a larger motion than rest: nothing to recommend"
+    ),
+    "no_protocol": Rule(
+        "no protocol succeeds for {percent:.3g} % of the drive phases: nothing to recommend"
+    ),
+    "never_lifted": Rule(
+        "no amplitude below {share:g} of the drive's largest lifts the balls at "
+        "{@frequency_ratio} {ratio:g}; raise it or lengthen a crank's {@connecting_rod_length}"
+    ),
+    "no_orbit": Rule(
+        "no motion of period {period} was found from this start (defect {defect:.2g}); try a "
+        "start on the attractor, or another period{string}"
+    ),
+    "taut_start": Rule("; strings must be taut at time zero"),
+    "doubtful_multipliers": Rule(
+        "the multipliers are doubtful ({status}): an impact is nearly missed, or the determinant "
+        "or finite differences disagree"
+    ),
+    "shorter_period": Rule(
+        "the motion repeats after {smallest:g} of {period} drive periods already; another start "
+        "may lead to one of period {period}, if there is any"
+    ),
+    "no_lower_limit": Rule(
+        "no lower limit was found up to {@drive_amplitude} {largest:g} m; raise "
+        "{@largest_amplitude_ratio} or {@frequency_ratio}"
+    ),
+    "no_upper_limit": Rule(
+        "no upper limit was found up to {@drive_amplitude} {largest:g} m; raise "
+        "{@largest_amplitude_ratio} or {@frequency_ratio}"
+    ),
+    "aperiodic_run": Rule(
+        "no period up to {longest}: the closest recurrence leaves {left:.2g} rad after "
+        "{periods:g} drive periods of transient; try a longer one"
+    ),
+    "still_changing": Rule(
+        "after {periods:g} drive periods the motion is still changing: try {@transient_periods} "
+        "of {longer:g}"
+    ),
+    "grazing_period": Rule(
+        "an impact is nearly grazing: the period may change with the smallest change"
+    ),
+    "ended_run": Rule("the run ended with status {status}: there is no answer"),
 }
 
 broken_analysis = partial(broken_rule, table=RULES)
+
+
+def said(rule: str, /, **values: Any) -> Sentence:
+    """The sentence of a rule alone, such as a warning."""
+    return sentence(rule, RULES, **values)

@@ -111,11 +111,7 @@ def self_start(
     status = "found"
     if math.isnan(amplitude):
         status = "out of reach"
-        warn(
-            f"no amplitude below {LARGEST_CRANK:g} of the drive's largest lifts the balls at "
-            f"frequency_ratio {frequency_ratio:g}; raise it or lengthen a crank's "
-            "connecting_rod_length"
-        )
+        warn("never_lifted", share=LARGEST_CRANK, ratio=frequency_ratio)
     variables: dict[str, Any] = {
         "drive_amplitude": amplitude,
         "drive_acceleration_ratio": amplitude * w**2 / system.gravity,

@@ -207,14 +207,10 @@ def shortest_protocol(
     else:
         success = np.array([_stepped(search, ratio, dwells, threshold) for ratio in first])
         result |= _shortest(search, first, dwells, success, threshold, required_share)
-    if result["status"] in (NO_BRANCH, NOT_REACHED):
-        reason = {
-            NO_BRANCH: f"no push up to {pushes[-1]:.3g} rad/s leads to a larger motion than rest",
-            NOT_REACHED: (
-                f"no protocol succeeds for {100.0 * required_share:.0f} % of the drive phases"
-            ),
-        }
-        warn(f"{reason[result['status']]}: nothing to recommend")
+    if result["status"] == NO_BRANCH:
+        warn("no_push_helps", push=float(pushes[-1]))
+    elif result["status"] == NOT_REACHED:
+        warn("no_protocol", percent=100.0 * required_share)
     enough = [
         speed for speed, share in zip(pushes, shares[1:], strict=True) if share >= required_share
     ]

@@ -72,16 +72,9 @@ def threshold_amplitude(
     status = "none" if math.isnan(amplitude) else "found"
     if problem.slackens(frequency_ratio * problem.natural_frequency, amplitude):
         amplitude, status = math.nan, "slackens"
-        warn(
-            f"at frequency_ratio {frequency_ratio:g} the string goes slack at a drive that leaves "
-            "hanging stable; choose a slower one or give suspension='rod'"
-        )
+        warn("slack_threshold", ratio=frequency_ratio)
     if status == "none":
-        warn(
-            f"no drive up to {largest_amplitude_ratio:g} length makes hanging unstable at "
-            f"frequency_ratio {frequency_ratio:g}; raise largest_amplitude_ratio or choose a ratio "
-            "nearer to 2/n"
-        )
+        warn("no_threshold", largest=largest_amplitude_ratio, ratio=frequency_ratio)
     return labelled(
         {"drive_amplitude": amplitude, "status": status},
         system=system,

@@ -95,15 +95,9 @@ def tongue_edges(
     if any(problem.slackens(edge * w0, drive_amplitude) for edge in (low, high)):
         low = math.nan if problem.slackens(low * w0, drive_amplitude) else low
         high, status = math.nan, "slackens"
-        warn(
-            f"at drive_amplitude {drive_amplitude:g} m the pivot falls faster than a ball on a "
-            "slack string before the tongue ends; lower it or give suspension='rod'"
-        )
+        warn("slack_tongue", amplitude=drive_amplitude)
     if status == "closed":
-        warn(
-            f"the tongue of order {order} is closed at drive_amplitude {drive_amplitude:g} m; "
-            "raise it or lower the damping"
-        )
+        warn("closed_tongue", order=order, amplitude=drive_amplitude)
     return labelled(
         {"low": low, "high": high, "status": status},
         system=system,

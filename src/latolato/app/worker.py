@@ -58,7 +58,8 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
         raise
     except Exception as error:  # the traceback does not leave this process
         raise InputError(line_of(error)) from None
-    texts = [str(w.message) for w in caught if issubclass(w.category, RuntimeWarning)]
+    told = [each.message for each in caught if issubclass(each.category, RuntimeWarning)]
+    texts = [each.args[0] if isinstance(each, Warning) else each for each in told]
     return {"warnings": list(dict.fromkeys(texts)), **about}, arrays
 
 

@@ -27,17 +27,20 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float]
     """
     import warnings
 
+    from latolato.analysis.registry import noting
     from latolato.figures.plot import plot
     from latolato.figures.style import save_figure
     from latolato.io.files import save
 
     asked = AnalysisRequest.from_json(request)
     arguments = asked.arguments()
-    result = asked.function(**arguments)
+    with noting() as notes:
+        result = asked.function(**arguments)
     save(result, folder / "result.nc")
     (folder / "result.csv").write_text(to_csv(result), encoding="utf-8")
     if "message" in result.attrs:
-        warnings.warn(result.attrs["message"], RuntimeWarning, stacklevel=1)
+        message = notes[notes.index(result.attrs["message"])]
+        warnings.warn(message, RuntimeWarning, stacklevel=1)
     with speaking(language_of(request.get("language", "en"))):
         try:
             figure = plot(result)

@@ -3,6 +3,7 @@
 import { codeBlocks } from "../page/code.js";
 import { el, saveFile } from "../page/dom.js";
 import { fileOf } from "../page/jobs.js";
+import { sentenceInLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
@@ -26,8 +27,8 @@ export class ResultCard {
     const files = Object.keys(TYPES).filter((kind) => kind in block.arrays);
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
-    const notes = about.warnings.map((/** @type {string} */ text) =>
-      el("p", { class: "notes" }, t("warning", { text: inWords(text).replaceAll("_", " ") })));
+    const notes = about.warnings.map((/** @type {string | import("../model/rules.js").Sentence} */ each) =>
+      el("p", { class: "notes" }, t("warning", { text: inWords(sentenceInLanguage(each)).replaceAll("_", " ") })));
     this.root = el("div", { class: "main" },
       el("section", { class: "card" }, ...notes, block.arrays.png ? this.picture(block) : null,
         el("p", { class: "reading-of" }, analysis.reading)),
