@@ -53,9 +53,10 @@ def test_the_headline_asks_what_the_preset_asks(page):
     page.get_by_role("heading", name=ll.load_scenario("kapitza").question).wait_for()
 
 
+@pytest.mark.parametrize("language", ["en", "id"])
 @pytest.mark.parametrize("view", ["toy", "held"])
-def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view):
-    open_at(page, "", view)
+def test_the_stage_is_large_and_all_that_matters_is_seen_at_once(page, view, language):
+    open_at(page, f"&lang={language}", view)
     seen = [".headline", ".stage", ".bench .panel", ".transport", ".side select", ".chart"]
     seen += {"toy": [".scrub", ".drawers", ".more-curves"], "held": [".trick"]}[view]
     knobs = page.locator(".knobs .knob")
@@ -544,11 +545,15 @@ def test_a_phone_s_header_is_low_and_shows_the_whole_name_of_its_language(page, 
 
 
 @pytest.mark.parametrize("language", ["en", "id"])
-def test_the_bar_of_a_run_has_one_line_in_every_language(page, language):
-    page.set_viewport_size({"width": 1366, "height": 768})
-    open_view(page, f"&lang={language}")
-    bar, play = (page.locator(name).bounding_box() for name in (".transport", ".play"))
-    assert bar["height"] < 1.5 * play["height"]
+def test_toy_needs_no_scrolling_and_its_bar_has_one_line_in_every_language(page, language):
+    open_at(page, f"&lang={language}", motion="no-preference")
+    page.locator(".headline p").get_by_text("°").wait_for()
+    for size in (LAPTOP, {"width": 1280, "height": 800}):
+        page.set_viewport_size(size)
+        page.wait_for_timeout(200)
+        bar, play = (page.locator(name).bounding_box() for name in (".transport", ".play"))
+        assert bar["height"] < 1.5 * play["height"]
+        assert page.evaluate("() => document.documentElement.scrollHeight") <= size["height"]
 
 
 def test_a_phone_shows_a_map_before_its_explanation(page):
