@@ -29,9 +29,9 @@ if TYPE_CHECKING:
 P = ParamSpec("P")
 
 PAGE = 7.0  # width of a page [inch]
-# Height of one row of panels [inch].
-# Width of a figure in one column of a journal, in inches.
+# Width of a figure in one column of a journal [inch].
 COLUMN = 3.4
+# Height of one row of panels [inch].
 ROW = 2.1
 DPI = 200
 
