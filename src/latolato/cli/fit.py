@@ -20,6 +20,7 @@ from latolato.cli.options import (
 )
 from latolato.cli.output import Targets, print_summary
 from latolato.cli.registered import RegistryGroup, command_of
+from latolato.core.errors import as_read
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
@@ -121,6 +122,7 @@ def lines_of(fit: Fit) -> dict[str, str]:
     """Return a fit as names and texts for reading."""
     lines = {"fit": f"{fit.kind}: {fit.verdict}"}
     for name, estimate in fit.estimates.items():
-        text = f"{estimate} (95 %: {estimate.low:.6g} to {estimate.high:.6g})"
+        low, high = (as_read(f"{end:.6g}") for end in (estimate.low, estimate.high))
+        text = f"{estimate} (95 %: {low} to {high})"
         lines[name] = text if fit.describes else f"not a result: {text}"
     return lines
