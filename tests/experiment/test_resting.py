@@ -18,10 +18,10 @@ from latolato.experiment.tracking.positions import Positions
 from latolato.experiment.tracking.route import (
     _are_one,
     _meeting,
-    _radius_of_parts,
     _told_apart,
     _touching,
     find_route,
+    radius_of_parts,
 )
 
 WALL, BALL = np.array([180, 120, 130]), np.array([90, 100, 190])
@@ -193,8 +193,8 @@ def test_a_stripe_like_the_wall_leaves_a_ball_one(radius, turn):
     assert route.is_seen.mean() > 0.8
     assert off[route.is_seen].max() < 2.0
     # What nobody parts is whole, and so is what has parts on one side only.
-    assert math.isnan(_radius_of_parts(copies.blobs[0], [places[0, 0] + 4.0]))
-    assert _radius_of_parts(copies.blobs[0], [*places[0]]) == pytest.approx(8.0, rel=0.25)
+    assert math.isnan(radius_of_parts(copies.blobs[0], [places[0, 0] + 4.0]))
+    assert radius_of_parts(copies.blobs[0], [*places[0]]) == pytest.approx(8.0, rel=0.25)
 
 
 def test_a_ball_that_always_rests_has_no_length_to_tell_balls_apart():

@@ -10,6 +10,8 @@ import latolato as ll
 from latolato.cli.main import main
 from latolato.experiment.overlay import places_of
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
+from latolato.experiment.synthetic.scene import Camera, Scene
+from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.track_table import read_table
 from latolato.experiment.tracking.learn import learn_image_model
 from latolato.experiment.tracking.propose import propose
@@ -166,6 +168,35 @@ def test_pivot_and_balls_are_found_without_clicks(name, request):
     assert np.hypot(*(np.array(found.pivot) - clip.pivot)) < 3.0
     for ball, true in zip(found.balls, clip.balls, strict=True):
         assert np.hypot(*(np.array(ball) - true)) < 2.0
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        ll.Pendulum(length=0.3, mass=0.1, damping=0.003),
+        ll.LatoLato(length=0.3, mass=0.1, damping=0.003, radius=0.025, restitution=0.8),
+    ],
+)
+def test_striped_balls_about_an_unmarked_driven_pivot_are_found_whole(model, tmp_path):
+    drive = ll.Harmonic(drive_amplitude=0.03, drive_frequency=2.7 * model.natural_frequency)
+    run = ll.simulate(model, drive, initial_angle=0.6, duration=4.0)
+    scene = Scene(
+        ball_radius=0.025, pattern=0.3, rod_width=0.0, block_width=0.0, block_height=0.0,
+        bolt_radius=0.0, rail_width=0.0, background="plain",
+    )  # fmt: skip
+    truth = synthesise_video(
+        run, tmp_path / "striped.mp4", scene, Camera(width=400, height=300, fps=30.0), seed=3
+    )
+    with pytest.warns(RuntimeWarning):
+        table = ll.track(tmp_path / "striped.mp4")
+    assert "found in the video" in table.attrs["warnings"]
+    found = [name for name in ("angle_1", "angle_2") if name in truth]
+    assert [name for name in ("angle_1", "angle_2") if name in table] == found
+    for name in found:
+        ok = table[name.replace("angle", "flag")].values == "ok"
+        off = (table[name].values - truth[name].values[table.frame.values])[ok]
+        assert ok.mean() > 0.9
+        assert np.sqrt(np.mean(off**2)) < 3e-3
 
 
 def test_a_proposal_is_drawn(swing, tmp_path, capsys):

@@ -48,6 +48,8 @@ _UNLIKE, _MOST_UNLIKE = 0.4, 4.0
 _FOLLOWS, _ENDS = 0.2, 30
 # What a blob is worth at most that is not what is looked for, as a share of one that is.
 _UNLIKELY = 0.3
+# From which worth a blob is clearly something; the share of clear ones that are the shortest.
+_CLEARLY, _SLOW = 0.5, 0.25
 # What a blob at a click is worth, and how near it must be: radii and pixels.
 _CLICKED, _AT_CLICK, _AT_CLICK_LOOSE = 10.0, 2.0, 4.0
 # By how much of the arm the distance from where a pivot is clicked varies: by tilts and by drives.
@@ -336,6 +338,13 @@ def worth_of(
     return np.asarray(worth)
 
 
+def length_of_clear(blobs: list[Blobs]) -> float:
+    """Return the half length of clear blobs that are no smears, 0 if there are none [pixels]."""
+    clear = _clear(blobs)
+    lengths = [own.lengths[worth_of(own, clear) > _CLEARLY] for own in blobs]
+    return float(np.quantile(np.concatenate(lengths), _SLOW)) if any(map(len, lengths)) else 0.0
+
+
 def _clear(blobs: list[Blobs]) -> float:
     """Return the contrast of a clear blob: what is clearest in half of the frames that show any."""
     tops = [float(own.contrasts.max()) for own in blobs if len(own.contrasts)]
@@ -410,7 +419,7 @@ def link_alike(
     return _taken(blobs, best_chain(blobs, worths, first.radius, dear))
 
 
-def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:
+def link_movers(blobs: list[Blobs], copies: Copies, most: int, dear: float) -> list[Trajectory]:
     """Return the paths of what moves, the best ones first, at most some.
 
     Leaps cost more than of what is clicked by the factor `dear`: nothing else tells what belongs
@@ -419,7 +428,6 @@ def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:
     Blobs that are always at the same place count little: they are where something was in most of
     the clip, or flickers.
     """
-    blobs = copies.blobs
     resting, clear = _resting(blobs, copies), _clear(blobs)
     worths = [
         worth_of(own, clear) * (1.0 - 0.9 * rests)
@@ -428,7 +436,7 @@ def link_movers(copies: Copies, most: int, dear: float) -> list[Trajectory]:
     paths: list[Trajectory] = []
     for _ in range(most):
         radii = np.concatenate(
-            [own.radii[worth > 0.5] for own, worth in zip(blobs, worths, strict=True)]
+            [own.radii[worth > _CLEARLY] for own, worth in zip(blobs, worths, strict=True)]
         )
         if not len(radii):
             break

@@ -14,18 +14,19 @@ from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.calibration.orbit import better, circle, driven_circle
 from latolato.experiment.rules import broken, said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.detect import shrunk
+from latolato.experiment.tracking.detect import Blobs, detect
 from latolato.experiment.tracking.link import (
     Trajectory,
     are_alike,
+    length_of_clear,
     link_alike,
     link_clicked,
     link_movers,
 )
-from latolato.experiment.tracking.pivot import Strings, learn_pivot
-from latolato.experiment.tracking.sample import Sample, median_planes
+from latolato.experiment.tracking.route import radius_of_parts
+from latolato.experiment.tracking.sample import Sample
 from latolato.experiment.tracking.strings import SHOWS, Lines
-from latolato.experiment.video import Frame, Video
+from latolato.experiment.video import Video
 
 # How many things that move are looked at for each price of leaps, and how many places of each are
 # enough for a circle.
@@ -35,6 +36,9 @@ _MOVERS, _ENOUGH = 4, 120
 _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 1.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
+# How much better a ball two parts must be together, if they are one with a stripe: it is twice as
+# large at least.
+_WHOLE = 1.5
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
 # How roughly things move that are half as likely a ball, and that are none: fewer than 8 frames
@@ -54,11 +58,6 @@ _OFF, _OFF_SHARE = 4.5, 0.03
 _ROUND, _ROUND_SHARE = 0.75, 0.003
 # Uncertainty of the circle's centre, as a share of the arm, above which there is no pivot.
 _VAGUE = 0.04
-# Arm of the coarse pictures in which the pivot is followed [pixels].
-_FINE = 160.0
-# Where else the pivot may be in the first frame, above and below the centre, and how far it may
-# move to the side, as shares of the arm.
-_TRIALS, _ASIDE = (0.0, -0.07, 0.07), 0.1
 
 
 def proposal_text(setup: Setup) -> Sentence:
@@ -114,26 +113,23 @@ def propose(
     Notes
     -----
     What differs from the background is linked through all frames; balls are what goes far and
-    smoothly on a circle. That is fitted together with one harmonic of the pivot; if the residual is
-    too large, the pivot is followed in the picture from the circle's centre, and both are repeated
-    until they agree. Where no circle shows the pivot, or strings meet elsewhere, it is where these
-    meet. It can miss: balls of the wall's colour or that swing by less than their radius, and,
-    without strings, arcs of less than about 20 degrees.
+    smoothly on a circle. That is fitted together with one harmonic of the pivot. Where no circle
+    shows the pivot, or strings meet elsewhere, it is where these meet. It can miss: balls of the
+    wall's colour or that swing by less than their radius, without strings arcs of less than about
+    20 degrees, and pivots that are not driven by one harmonic.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
+    lens = optics or Optics()
     if balls is None:
-        tracks = _swinging(sample, count, known)
+        tracks, shown = _swinging(sample, count, known)
+        sample = _begun(video, sample, shown, len(tracks), is_free=click_frame is None)
+        starts = [track.places[sample.click] for track in tracks]
     else:
         tracks, blobs = [], sample.copies.blobs
-        for ball in balls:
-            click = np.array(ball, float)
-            track, blobs = link_clicked(blobs, sample.copies, click, sample.click, None)
+        starts = [np.array(ball, float) for ball in balls]
+        for start in starts:
+            track, blobs = link_clicked(blobs, sample.copies, start, sample.click, None)
             tracks.append(track)
-    lens = optics or Optics()
-    starts = None if balls is None else [np.array(ball, float) for ball in balls]
-    if starts is None:
-        sample = _begun(video, sample, tracks, is_free=click_frame is None)
-        starts = [track.places[sample.click] for track in tracks]
     hinges = [known]
     if pivot is None:
         # Where only one of two balls is seen, it may be both of them in one blob.
@@ -156,22 +152,78 @@ def propose(
     return setup, float(np.median([track.radius for track in tracks])), sample
 
 
-def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> list[Trajectory]:
-    """Return the one or two of the things that move that swing."""
+# Something that moves: how likely it is the ball, how far off a circle, and its path.
+_Scored = tuple[float, float, Trajectory]
+
+
+def _swinging(
+    sample: Sample, count: int | None, pivot: np.ndarray | None
+) -> tuple[list[Trajectory], np.ndarray]:
+    """Return the one or two of the things that move that swing, and which frames show them.
+
+    A ball with a stripe like the wall is two parts. They are one if that is a far better ball, for
+    one without a stripe is the same; frames show it where they show both parts.
+    """
+    blobs = sample.copies.blobs
+    scored = _scored(blobs, sample, pivot)
+    # A stripe is no wider than its ball, which is as wide as a part of it is long.
+    wholes = detect(sample.copies, stripe=length_of_clear(blobs))
+    whole = _scored(wholes, sample, pivot)
+    is_parted = _best(whole)[0] > _WHOLE * _best(scored)[0]
+    tracks = (
+        _chosen(wholes, whole, sample, count, pivot)
+        if is_parted
+        else _chosen(blobs, scored, sample, count, pivot)
+    )
+    shown = np.all([track.is_seen for track in tracks], axis=0)
+    for frame in np.flatnonzero(shown & is_parted).tolist():
+        places = [track.places[frame] for track in tracks]
+        shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
+    return tracks, shown
+
+
+def _scored(blobs: list[Blobs], sample: Sample, pivot: np.ndarray | None) -> list[_Scored]:
+    """Return what moves in a clip, with its score."""
     tracks = [
         track.without_rests()
         for dear in _DEAR
-        for track in link_movers(sample.copies, _MOVERS, dear)
+        for track in link_movers(blobs, sample.copies, _MOVERS, dear)
     ]
-    scored = [(*_score(track, sample.times, pivot), track) for track in tracks]
+    return [(*_score(track, sample.times, pivot), track) for track in tracks]
+
+
+def _best(scored: list[_Scored]) -> tuple[float, Trajectory | None]:
+    """Return the likeliest ball of what is seen often, and its score; none scores 0."""
     often = [one for one in scored if one[2].is_seen.mean() > _SEEN]
-    best, _, first = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
+    score, _, track = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
+    return score, track
+
+
+def _chosen(
+    blobs: list[Blobs],
+    scored: list[_Scored],
+    sample: Sample,
+    count: int | None,
+    pivot: np.ndarray | None,
+) -> list[Trajectory]:
+    """Return the one or two balls among what moves, which consists of blobs.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than asked for.
+    """
+    best, first = _best(scored)
     if first is None or not best > 0.0:
-        raise InputError("no moving ball was found", way_out="point at pivot and ball")
+        is_rough = any(
+            one.is_seen.mean() > _SEEN and one.roughness > _ROUGHEST for _, _, one in scored
+        )
+        reason = ": what moves leaps from one frame to the next" if is_rough else ""
+        raise InputError(f"no moving ball was found{reason}", way_out="point at pivot and ball")
     if first.is_rod:
         raise broken("long_and_thin")
     # Its look is known now: it and another ball like it are linked again by that, apart.
-    again, left = link_alike(sample.copies.blobs, first, _DEAR[0])
+    again, left = link_alike(blobs, first, _DEAR[0])
     other, _ = link_alike(left, first, _DEAR[0])
     again, other = again.without_rests(), other.without_rests()
     pair = [(*_score(track, sample.times, pivot), track) for track in (again, other)]
@@ -188,7 +240,7 @@ def _swinging(sample: Sample, count: int | None, pivot: np.ndarray | None) -> li
     return [first] if second is None or count == 1 else [first, second[1]]
 
 
-def _may_swing(scored: tuple[float, float, Trajectory]) -> bool:
+def _may_swing(scored: _Scored) -> bool:
     """Return whether something may be a ball by its score and by how far it is off a circle."""
     score, off, _ = scored
     return score > 0.0 and off < 1.0
@@ -219,22 +271,21 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     return math.sqrt(share) * travel * track.radius * likely, off
 
 
-def _begun(video: Video, sample: Sample, tracks: list[Trajectory], *, is_free: bool) -> Sample:
-    """Return a sample that begins with a frame that shows all balls.
+def _begun(video: Video, sample: Sample, shown: np.ndarray, count: int, *, is_free: bool) -> Sample:
+    """Return a sample that begins with a frame that shows all balls, of which there are `count`.
 
     Raises
     ------
     InputError
         If the frame that was asked for does not show them, and it is not free to choose.
     """
-    shown = np.all([track.is_seen for track in tracks], axis=0)
     if sample.click < len(shown) and shown[sample.click]:
         return sample
     frames = {frame.number: frame for frame in sample.frames}
     pairs = [n for n in sorted(frames) if shown[n] and n + 1 in frames and shown[n + 1]]
     if not is_free or not pairs:
         frame = video.first_frame + sample.click
-        rule = "balls_not_in_frame" if len(tracks) == 2 else "ball_not_in_frame"
+        rule = "balls_not_in_frame" if count == 2 else "ball_not_in_frame"
         raise broken(rule, {"seen": int(shown.sum()), "count": len(shown), "frame": frame})
     return replace(sample, clicked=[frames[pairs[0]], frames[pairs[0] + 1]])
 
@@ -280,7 +331,11 @@ def _pivots(
         None if one is None or not _is_round(one) else distorted(one.centre, size, lens)
         for one in own
     ]
-    if len(tracks) == 2:
+    rests = all(centre is not None for centre in centres)
+    orbit = own[0] if rests else _common_circle(sample, flat)
+    # Strings from a pivot that is driven meet in no one place.
+    is_driven = not rests and orbit is not None and _is_round(orbit)
+    if len(tracks) == 2 and not is_driven:
         both = zip(meetings, centres, strict=True)
         each = [centre if meeting is None else meeting for meeting, centre in both]
         if _are_apart(each, tracks):
@@ -291,8 +346,6 @@ def _pivots(
         if place is not None and all(one.share_at(place) > SHOWS for one in lines)
     ]
     meeting = _seen(video, shared[0]) if shared else None
-    rests = all(centre is not None for centre in centres)
-    orbit = own[0] if rests else _common_circle(video, sample, flat, radius)
     if orbit is None or orbit.residual > max(_OFF, _OFF_SHARE * orbit.arm):
         return [meeting]
     centre = _seen(video, distorted(orbit.centre, size, lens))
@@ -321,69 +374,16 @@ def _seen(video: Video, place: np.ndarray | None) -> np.ndarray | None:
     return place if place is not None and video.shows(place) else None
 
 
-def _common_circle(
-    video: Video, sample: Sample, tracks: list[np.ndarray], radius: float
-) -> CircleFit | None:
+def _common_circle(sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
     """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
     times = sample.times
     some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
     # A driven pivot is where it is in the first of the frames.
     some = np.append(min(sample.click, len(times) - 1), some)
     own = [track[some] for track in tracks]
-    first = better(*_circles(own, times[some], sample.interval))
-    if first is None or _is_round(first):
-        return first
-    frames = sample.from_click
-    places = [
-        np.array(
-            [t[f.number] for t in tracks if 0 <= f.number < len(t) and np.isfinite(t[f.number, 0])]
-        ).reshape(-1, 2)
-        for f in frames
-    ]
-    return _followed(video, frames, places, radius, first)
+    return better(*_circles(own, times[some], sample.interval))
 
 
 def _is_round(orbit: CircleFit) -> bool:
     """Return whether a circle is good enough to look no further."""
     return orbit.residual < _ROUND + _ROUND_SHARE * orbit.arm and orbit.vague < _VAGUE
-
-
-def _followed(
-    video: Video,
-    frames: list[Frame],
-    places: list[np.ndarray],
-    radius: float,
-    first: CircleFit,
-) -> CircleFit | None:
-    """Return the circle about a pivot that is followed in the picture from where it may be."""
-    size = np.array([video.width, video.height])
-    # A third of the pairs of frames is enough, and so are coarse pictures.
-    kept = [k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0]
-    fold = max(1, int(first.arm / _FINE))
-    # Chroma is not needed.
-    coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
-    median = median_planes(coarse)[0]
-    shown = np.concatenate(places)
-    best: CircleFit | None = None
-    for trial in _TRIALS:
-        centre, arm = first.centre + np.array([0.0, trial * first.arm]), first.arm
-        for _ in range(3):
-            if (np.minimum(centre, size - 1.0 - centre) < 12.0 * fold).any():
-                break
-            strings = Strings.between(centre / fold, shown / fold, radius / fold)
-            place, length = (centre + 0.5) / fold - 0.5, arm / fold
-            tracker, shifts = learn_pivot(coarse, median, place, length, _ASIDE * length, strings)
-            if tracker.is_still:
-                break
-            orbit = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
-            if orbit is None:
-                break
-            change = float(np.hypot(*(orbit.centre - centre)))
-            centre, arm = orbit.centre, orbit.arm
-            if best is None or orbit.residual < best.residual:
-                best = orbit
-            if change < 1.0:
-                break
-        if best is not None and _is_round(best):
-            break
-    return best

@@ -226,7 +226,7 @@ def find_route(
         About which each ball swings, None where that is not known [pixels].
     """
     left, bounds = list(copies.blobs), copies.bounds
-    parted = _radius_of_parts(left[number], clicks) if 0 <= number < len(left) else math.nan
+    parted = radius_of_parts(left[number], clicks) if 0 <= number < len(left) else math.nan
     if math.isfinite(parted):
         left = detect(copies, stripe=_STRIPE * (radius or parted))
     empty = Blobs.of([], copies.shrink)
@@ -383,10 +383,11 @@ def _is_by_itself(
     return bool(away[at] < blobs.radii[at] + copies.shrink)
 
 
-def _radius_of_parts(blobs: Blobs, clicks: list[np.ndarray]) -> float:
+def radius_of_parts(blobs: Blobs, clicks: list[np.ndarray]) -> float:
     """Return the radius of balls that are seen as two parts, as with a stripe like the wall.
 
-    Of all that are clicked one part lies on each side of the click; else it is NaN.
+    Of all that are clicked, at places (2,), one part lies on each side of the click; else it is
+    NaN.
     """
     sizes = []
     for click in clicks:
