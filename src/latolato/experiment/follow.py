@@ -11,7 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, joined
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
-from latolato.experiment.calibration.hinge import CLICK
+from latolato.experiment.calibration.hinge import CLICK, UNCLICKED
 from latolato.experiment.calibration.lens import distorted, undistorted
 from latolato.experiment.calibration.orbit import DrivenCircle, drive_of, rate_values
 from latolato.experiment.calibration.pace import pace_warnings
@@ -417,7 +417,8 @@ def _calibrated(
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
-    measured = calibrate(seen, size, video.rotation, setup.optics, circle)
+    click = math.hypot(CLICK, UNCLICKED * scene.arm) if setup.is_proposed else CLICK
+    measured = calibrate(seen, size, video.rotation, setup.optics, circle, click)
     if isinstance(video.steadier, Steadier):
         places = video.steadier.deviations(len(seen.times))
         measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)

@@ -13,8 +13,9 @@ from latolato.experiment.rules import said
 
 # Arc above which a path that is no circle shows [rad].
 WIDE_ARC = math.radians(60.0)
-# Errors of a click and of distances on the whole [pixels].
-CLICK, UNROUND = 1.0, 0.15
+# Errors of a click and of distances on the whole [pixels], and of a pivot that nobody clicked, as a
+# share of the arm.
+CLICK, UNROUND, UNCLICKED = 1.0, 0.15, 0.02
 # Error of the pivot against the ball that all frames share, from shading and edges, the least one
 # of the distances that changes along the arc, and the distance beyond which one is a mistake of the
 # tracker [pixels].
@@ -29,7 +30,7 @@ _PIECES = 25
 # Distance of another centre from the click that is no accident [standard deviations], and from the
 # hinge that matters [pixels]; what its circle may leave over, in noise.
 _ELSEWHERE, _APART, _AS_ROUND = 4.0, 2.0, 1.0
-# Offset that a click may have [pixels, arm].
+# Offset that a click may have [standard deviations, arm].
 _NEAR, _NEAR_SHARE = 5.0, 0.01
 
 
@@ -80,8 +81,8 @@ class Hinge:
         return math.hypot(math.sin(direction) * self.sigma[0], math.cos(direction) * self.sigma[1])
 
 
-def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
-    """Return the hinge from positions (place, 2) about the click, which is believed to `CLICK`.
+def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float, click: float = CLICK) -> Hinge:
+    """Return the hinge from positions (place, 2) about the click, whose error is `click` [pixels].
 
     `noise` is the scatter of the distances [pixels], which is no fault of the circle. What
     distances get wrong along the arc moves the centre the more, the narrower it is; along the
@@ -90,7 +91,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     distance = np.hypot(away[:, 0], away[:, 1])
     arm = float(np.median(distance)) if len(distance) else math.nan
     arc = range_of(angles)
-    none, clicked = np.zeros(2), np.full(2, math.hypot(CLICK, _SHARED))
+    none, clicked = np.zeros(2), np.full(2, math.hypot(click, _SHARED))
     if len(away) < 20:
         return Hinge(none, clicked, arm, arc, math.nan)
     count = max(min(len(away), arc * arm / _BLOCK), 1.0)
@@ -98,7 +99,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     for _ in range(2):  # what the circle leaves beyond noise bends some pieces of the arc
         shared = math.hypot(uneven, bent / math.sqrt(_PIECES))
         fit = fit_circle(
-            lambda: away, shared * math.sqrt(len(away)), robust=_MISTAKEN, belief=(none, CLICK)
+            lambda: away, shared * math.sqrt(len(away)), robust=_MISTAKEN, belief=(none, click)
         )
         bent = math.sqrt(max(fit.residual**2 - noise**2, 0.0))
     offset, residual = fit.centre, fit.residual
@@ -109,14 +110,14 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
     limit = max(_ROUND, _ROUND_SHARE * fit.arm, 2.0 * noise)
     is_wide = arc >= WIDE_ARC
     is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
-    if is_oval or float(np.hypot(*offset)) > max(_NEAR, _NEAR_SHARE * fit.arm):
+    if is_oval or float(np.hypot(*offset)) > max(_NEAR * click, _NEAR_SHARE * fit.arm):
         sizes = {"offset": f"{np.hypot(*offset):.1f}", "residual": f"{max(bent, oval):.2f}"}
         warning = said("off_centre", **sizes)
         sigma = np.maximum(clicked, np.abs(offset))
         as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
         return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
     spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / shared) ** 2)
-    sigma = np.sqrt(_SHARED**2 + np.minimum(spread, CLICK**2))
+    sigma = np.sqrt(_SHARED**2 + np.minimum(spread, click**2))
     if bent <= limit:
         return Hinge(offset, sigma, fit.arm, arc, residual)
     # A pivot that moves to the side changes distances by the sine of the angle only. It may have
@@ -127,7 +128,7 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float) -> Hinge:
 
 
 def other_centre(
-    away: np.ndarray, angles: np.ndarray, hinge: Hinge, noise: float
+    away: np.ndarray, angles: np.ndarray, hinge: Hinge, noise: float, click: float
 ) -> np.ndarray | None:
     """Return the centre (2,) of a circle that places show as well, far from the hinge [pixels].
 
@@ -144,6 +145,8 @@ def other_centre(
         What is believed.
     noise : float
         Scatter of the distances [pixels].
+    click : float
+        Error of the click [pixels].
     """
     if len(away) < 20 or not hinge.is_seen:
         return None
@@ -156,7 +159,7 @@ def other_centre(
         return None
     spread = fit.covariance[:2, :2] * (1.0 + len(away) * (bent / sigma) ** 2 / _PIECES)
     # How sure it is that it is not where the click is, which is at the origin.
-    sure = np.linalg.inv(spread + CLICK**2 * np.eye(2))
+    sure = np.linalg.inv(spread + click**2 * np.eye(2))
     is_elsewhere = fit.centre @ sure @ fit.centre > _ELSEWHERE**2
     is_far = float(np.hypot(*(fit.centre - hinge.offset))) > _APART
     return fit.centre if is_elsewhere and is_far else None

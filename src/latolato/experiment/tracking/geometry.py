@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.calibration.hinge import CLICK
+from latolato.experiment.calibration.hinge import CLICK, UNCLICKED
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.calibration.orbit import (
     DrivenCircle,
@@ -26,11 +26,11 @@ _FEWEST, _CLEARER = 12, 0.7
 # ball's angle varies, how much distances vary by accident [pixels], and the least of these sines.
 _SWAYS, _UNSURE, _LEAST_SINE = 5.0, 0.1, 1e-3
 # Share of what angles leave of the distances from a pivot in the picture that one harmonic may
-# leave for the picture not to show the pivot; how far off where it was pointed at that may be
-# [standard deviations], and the error of pointing, as a share of the arm. Share of the most that
-# angles may leave up to which the picture is believed, and share of the way by which the pivot in
-# the picture may move otherwise than the balls say and still be that pivot.
-_BETTER, _AGREES, _POINTED, _CLOSE, _SAME = 0.5, 4.0, 0.02, 0.5, 0.15
+# leave for the picture not to show the pivot; how far off where it was taken to be that may be
+# [standard deviations]. Share of the most that angles may leave up to which the picture is
+# believed, and share of the way by which the pivot in the picture may move otherwise than the balls
+# say and still be that pivot.
+_BETTER, _AGREES, _CLOSE, _SAME = 0.5, 4.0, 0.5, 0.15
 # By how much distances from the pivot must vary to make an oval of a circle [radii].
 _OVAL = 0.4
 
@@ -169,7 +169,7 @@ def _unseen_drive(
     last = len(route.times)
     times = np.array([route.times[f.number] if 0 <= f.number < last else f.time for f in frames])
     apart = float(np.hypot(*(driven.pivots(times[:1])[0] - click)))
-    if apart > _AGREES * math.hypot(CLICK, _POINTED * driven.arm):
+    if apart > _AGREES * math.hypot(CLICK, UNCLICKED * driven.arm):
         return None
     tracker = PivotTracker.unseen(
         np.asarray(pivot, float), lambda times: distorted(driven.pivots(times), size, optics)

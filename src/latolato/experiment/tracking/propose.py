@@ -14,7 +14,7 @@ from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.calibration.orbit import better, circle, driven_circle
 from latolato.experiment.rules import broken, said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
-from latolato.experiment.tracking.detect import Blobs, detect
+from latolato.experiment.tracking.detect import Blobs, detect, shrunk
 from latolato.experiment.tracking.link import (
     Trajectory,
     are_alike,
@@ -23,10 +23,11 @@ from latolato.experiment.tracking.link import (
     link_clicked,
     link_movers,
 )
+from latolato.experiment.tracking.pivot import Strings, learn_pivot
 from latolato.experiment.tracking.route import radius_of_parts
-from latolato.experiment.tracking.sample import Sample
+from latolato.experiment.tracking.sample import Sample, median_planes
 from latolato.experiment.tracking.strings import SHOWS, Lines
-from latolato.experiment.video import Video
+from latolato.experiment.video import Frame, Video
 
 # How many things that move are looked at for each price of leaps, and how many places of each are
 # enough for a circle.
@@ -37,8 +38,8 @@ _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 1.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
 # How much better a ball two parts must be together, if they are one with a stripe: it is twice as
-# large at least.
-_WHOLE = 1.5
+# large at least. In which share of the frames there are two parts.
+_WHOLE, _PARTS = 1.5, 0.15
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
 # How roughly things move that are half as likely a ball, and that are none: fewer than 8 frames
@@ -58,6 +59,11 @@ _OFF, _OFF_SHARE = 4.5, 0.03
 _ROUND, _ROUND_SHARE = 0.75, 0.003
 # Uncertainty of the circle's centre, as a share of the arm, above which there is no pivot.
 _VAGUE = 0.04
+# Arm of the coarse pictures in which the pivot is followed [pixels].
+_FINE = 160.0
+# Where else the pivot may be in the first frame, above and below the centre, and how far it may
+# move to the side, as shares of the arm.
+_TRIALS, _ASIDE = (0.0, -0.07, 0.07), 0.1
 
 
 def proposal_text(setup: Setup) -> Sentence:
@@ -113,10 +119,11 @@ def propose(
     Notes
     -----
     What differs from the background is linked through all frames; balls are what goes far and
-    smoothly on a circle. That is fitted together with one harmonic of the pivot. Where no circle
-    shows the pivot, or strings meet elsewhere, it is where these meet. It can miss: balls of the
-    wall's colour or that swing by less than their radius, without strings arcs of less than about
-    20 degrees, and pivots that are not driven by one harmonic.
+    smoothly on a circle. That is fitted together with one harmonic of the pivot; if the residual is
+    too large, the pivot is followed in the picture from the circle's centre, and both are repeated
+    until they agree. Where no circle shows the pivot, or strings meet elsewhere, it is where these
+    meet. It can miss: balls of the wall's colour or that swing by less than their radius, and,
+    without strings, arcs of less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     lens = optics or Optics()
@@ -169,17 +176,17 @@ def _swinging(
     # A stripe is no wider than its ball, which is as wide as a part of it is long.
     wholes = detect(sample.copies, stripe=length_of_clear(blobs))
     whole = _scored(wholes, sample, pivot)
-    is_parted = _best(whole)[0] > _WHOLE * _best(scored)[0]
-    tracks = (
-        _chosen(wholes, whole, sample, count, pivot)
-        if is_parted
-        else _chosen(blobs, scored, sample, count, pivot)
-    )
-    shown = np.all([track.is_seen for track in tracks], axis=0)
-    for frame in np.flatnonzero(shown & is_parted).tolist():
-        places = [track.places[frame] for track in tracks]
-        shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
-    return tracks, shown
+    if _best(whole)[0] > _WHOLE * _best(scored)[0]:
+        tracks = _chosen(wholes, whole, sample, count, pivot)
+        seen = np.all([track.is_seen for track in tracks], axis=0)
+        shown = seen.copy()
+        for frame in np.flatnonzero(seen).tolist():
+            places = [track.places[frame] for track in tracks]
+            shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
+        if shown.sum() > _PARTS * seen.sum():  # two balls side by side are not one
+            return tracks, shown
+    tracks = _chosen(blobs, scored, sample, count, pivot)
+    return tracks, np.all([track.is_seen for track in tracks], axis=0)
 
 
 def _scored(blobs: list[Blobs], sample: Sample, pivot: np.ndarray | None) -> list[_Scored]:
@@ -331,8 +338,14 @@ def _pivots(
         None if one is None or not _is_round(one) else distorted(one.centre, size, lens)
         for one in own
     ]
+    shared = [
+        place
+        for place in meetings
+        if place is not None and all(one.share_at(place) > SHOWS for one in lines)
+    ]
+    meeting = _seen(video, shared[0]) if shared else None
     rests = all(centre is not None for centre in centres)
-    orbit = own[0] if rests else _common_circle(sample, flat)
+    orbit = own[0] if rests else _common_circle(video, sample, flat, radius, meeting)
     # Strings from a pivot that is driven meet in no one place.
     is_driven = not rests and orbit is not None and _is_round(orbit)
     if len(tracks) == 2 and not is_driven:
@@ -340,12 +353,6 @@ def _pivots(
         each = [centre if meeting is None else meeting for meeting, centre in both]
         if _are_apart(each, tracks):
             return [_seen(video, place) for place in each]
-    shared = [
-        place
-        for place in meetings
-        if place is not None and all(one.share_at(place) > SHOWS for one in lines)
-    ]
-    meeting = _seen(video, shared[0]) if shared else None
     if orbit is None or orbit.residual > max(_OFF, _OFF_SHARE * orbit.arm):
         return [meeting]
     centre = _seen(video, distorted(orbit.centre, size, lens))
@@ -374,16 +381,84 @@ def _seen(video: Video, place: np.ndarray | None) -> np.ndarray | None:
     return place if place is not None and video.shows(place) else None
 
 
-def _common_circle(sample: Sample, tracks: list[np.ndarray]) -> CircleFit | None:
-    """Return the circle about the pivot whose motion makes the balls' paths most nearly one."""
+def _common_circle(
+    video: Video,
+    sample: Sample,
+    tracks: list[np.ndarray],
+    radius: float,
+    meeting: np.ndarray | None,
+) -> CircleFit | None:
+    """Return the circle about the pivot whose motion makes the balls' paths most nearly one.
+
+    Strings that are seen meet about where it is.
+    """
     times = sample.times
     some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
     # A driven pivot is where it is in the first of the frames.
     some = np.append(min(sample.click, len(times) - 1), some)
     own = [track[some] for track in tracks]
-    return better(*_circles(own, times[some], sample.interval))
+    first = better(*_circles(own, times[some], sample.interval))
+    if first is None or _is_round(first):
+        return first
+    frames = sample.from_click
+    places = [
+        np.array(
+            [t[f.number] for t in tracks if 0 <= f.number < len(t) and np.isfinite(t[f.number, 0])]
+        ).reshape(-1, 2)
+        for f in frames
+    ]
+    return _followed(video, frames, places, radius, first, meeting)
 
 
 def _is_round(orbit: CircleFit) -> bool:
     """Return whether a circle is good enough to look no further."""
     return orbit.residual < _ROUND + _ROUND_SHARE * orbit.arm and orbit.vague < _VAGUE
+
+
+def _followed(
+    video: Video,
+    frames: list[Frame],
+    places: list[np.ndarray],
+    radius: float,
+    first: CircleFit,
+    meeting: np.ndarray | None,
+) -> CircleFit:
+    """Return the circle about a pivot that is followed in the picture from where it may be.
+
+    It may be where strings meet, and about the centre of the `first` circle, which is returned if
+    no other is good or better: it has more freedom.
+    """
+    size = np.array([video.width, video.height])
+    # A third of the pairs of frames is enough, and so are coarse pictures.
+    kept = [k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0]
+    fold = max(1, int(first.arm / _FINE))
+    # Chroma is not needed.
+    coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
+    median = median_planes(coarse)[0]
+    shown = np.concatenate(places)
+    best: CircleFit | None = None
+    starts = [(first.centre + np.array([0.0, share * first.arm]), first.arm) for share in _TRIALS]
+    if meeting is not None:
+        arm = float(np.median(np.linalg.norm(shown - meeting, axis=1)))
+        starts.insert(0, (meeting, arm))
+    for centre, arm in starts:
+        for _ in range(3):
+            if (np.minimum(centre, size - 1.0 - centre) < 12.0 * fold).any():
+                break
+            strings = Strings.between(centre / fold, shown / fold, radius / fold)
+            place, length = (centre + 0.5) / fold - 0.5, arm / fold
+            tracker, shifts = learn_pivot(coarse, median, place, length, _ASIDE * length, strings)
+            if tracker.is_still:
+                break
+            orbit = circle([places[k] for k in kept], fold * (shifts - shifts[0]))
+            if orbit is None:
+                break
+            change = float(np.hypot(*(orbit.centre - centre)))
+            centre, arm = orbit.centre, orbit.arm
+            if best is None or orbit.residual < best.residual:
+                best = orbit
+            if change < 1.0:
+                break
+        if best is not None and _is_round(best):
+            return best
+    return first if best is None or first.residual < best.residual else best
