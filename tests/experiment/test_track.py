@@ -171,6 +171,34 @@ def test_pivot_and_balls_are_found_without_clicks(name, request):
 
 
 @pytest.mark.parametrize(
+    "model,initial_angle",
+    [
+        (ll.Pendulum(length=0.3, mass=0.1, damping=0.003), 0.3),
+        (ll.LatoLato(length=0.3, mass=0.1, damping=0.003, radius=0.025, restitution=0.8), 0.9),
+    ],
+)
+def test_balls_about_a_pivot_that_moves_in_no_one_harmonic_are_found(
+    model, initial_angle, tmp_path
+):
+    times, rate = np.linspace(0.0, 4.2, 800), model.natural_frequency
+    heights = 0.02 * np.cos(1.95 * rate * times) + 0.015 * np.cos(3.1 * rate * times)
+    drive = ll.MeasuredPivot(times=times, pivot_heights=heights)
+    run = ll.simulate(model, drive, initial_angle=initial_angle, duration=4.0)
+    camera = Camera(width=480, height=360, fps=60.0)
+    scene = Scene(ball_radius=0.022, rod_width=0.003)
+    truth = synthesise_video(run, tmp_path / "hand.mp4", scene, camera, seed=3)
+    with pytest.warns(RuntimeWarning):
+        table = ll.track(tmp_path / "hand.mp4")
+    for name in [name for name in ("angle_1", "angle_2") if name in truth]:
+        ok = table[name.replace("angle", "flag")].values == "ok"
+        off = np.abs(table[name].values - truth[name].values)[ok]
+        sigmas = table[name.replace("angle", "angle_sigma")].values[ok]
+        assert ok.mean() > 0.9
+        assert np.sqrt(np.mean(off**2)) < 1.5e-3
+        assert np.mean(off < 2.0 * sigmas) > 0.93
+
+
+@pytest.mark.parametrize(
     "model",
     [
         ll.Pendulum(length=0.3, mass=0.1, damping=0.003),

@@ -49,6 +49,8 @@ _ROUGH, _ROUGHEST = 0.5, 0.75
 _LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
+# By which factor the other ball of a pair may be farther off a circle than the first one.
+_OFF_TOO = 1.5
 # How near centres of circles are that are one pivot, as a share of the larger arm.
 _ONE_PIVOT = 0.05
 # Share of the strings that meet where they do best, from which a circle's centre is as good.
@@ -199,11 +201,10 @@ def _scored(blobs: list[Blobs], sample: Sample, pivot: np.ndarray | None) -> lis
     return [(*_score(track, sample.times, pivot), track) for track in tracks]
 
 
-def _best(scored: list[_Scored]) -> tuple[float, Trajectory | None]:
-    """Return the likeliest ball of what is seen often, and its score; none scores 0."""
+def _best(scored: list[_Scored]) -> tuple[float, float, Trajectory | None]:
+    """Return the likeliest ball of what is seen often, with its score; none scores 0."""
     often = [one for one in scored if one[2].is_seen.mean() > _SEEN]
-    score, _, track = max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
-    return score, track
+    return max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
 
 
 def _chosen(
@@ -220,7 +221,7 @@ def _chosen(
     InputError
         If there are fewer than asked for.
     """
-    best, first = _best(scored)
+    best, off, first = _best(scored)
     if first is None or not best > 0.0:
         is_rough = any(
             one.is_seen.mean() > _SEEN and one.roughness > _ROUGHEST for _, _, one in scored
@@ -234,10 +235,10 @@ def _chosen(
     other, _ = link_alike(left, first, _DEAR[0])
     again, other = again.without_rests(), other.without_rests()
     pair = [(*_score(track, sample.times, pivot), track) for track in (again, other)]
-    if count != 1 and all(map(_may_swing, pair)) and are_alike(again, other):
+    if count != 1 and all(_may_swing(one, off) for one in pair) and are_alike(again, other):
         return [again, other]
     others = [
-        (score, track) for score, _, track in filter(_may_swing, scored) if are_alike(first, track)
+        (one[0], one[2]) for one in scored if _may_swing(one, off) and are_alike(first, one[2])
     ]
     second = max(others, key=lambda one: one[0], default=None)
     if count == 2 and second is None:
@@ -247,10 +248,13 @@ def _chosen(
     return [first] if second is None or count == 1 else [first, second[1]]
 
 
-def _may_swing(scored: _Scored) -> bool:
-    """Return whether something may be a ball by its score and by how far it is off a circle."""
+def _may_swing(scored: _Scored, first: float) -> bool:
+    """Return whether something may be a ball by its score and by how far it is off a circle.
+
+    It may be about as far off as the `first` ball, for their pivot may move in any way.
+    """
     score, off, _ = scored
-    return score > 0.0 and off < 1.0
+    return score > 0.0 and off < max(1.0, _OFF_TOO * first)
 
 
 def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tuple[float, float]:
