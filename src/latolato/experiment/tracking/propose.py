@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -179,14 +180,15 @@ def _swinging(
     wholes = detect(sample.copies, stripe=length_of_clear(blobs))
     whole = _scored(wholes, sample, pivot)
     if _best(whole)[0] > _WHOLE * _best(scored)[0]:
-        tracks = _chosen(wholes, whole, sample, count, pivot)
-        seen = np.all([track.is_seen for track in tracks], axis=0)
-        shown = seen.copy()
-        for frame in np.flatnonzero(seen).tolist():
-            places = [track.places[frame] for track in tracks]
-            shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
-        if shown.sum() > _PARTS * seen.sum():  # two balls side by side are not one
-            return tracks, shown
+        with suppress(InputError):  # that the wholes are too few is no reason to refuse
+            tracks = _chosen(wholes, whole, sample, count, pivot)
+            seen = np.all([track.is_seen for track in tracks], axis=0)
+            shown = seen.copy()
+            for frame in np.flatnonzero(seen).tolist():
+                places = [track.places[frame] for track in tracks]
+                shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
+            if shown.sum() > _PARTS * seen.sum():  # two balls side by side are not one
+                return tracks, shown
     tracks = _chosen(blobs, scored, sample, count, pivot)
     return tracks, np.all([track.is_seen for track in tracks], axis=0)
 
