@@ -63,6 +63,31 @@ def test_two_balls_have_the_loop_of_the_mirror_pair():
     np.testing.assert_allclose(two.largest_angle, one.largest_angle, rtol=1e-3)
 
 
+def test_answers_that_die_out_and_gaps_of_a_range_are_not_counted_nor_shaded(tmp_path):
+    toy = ll.LatoLato(length=0.2, mass=0.05, damping=0.001, radius=0.018, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.06, drive_frequency=6.0 * math.pi)
+    found = hysteresis(toy, drive, frequency_ratio=np.linspace(1.4, 3.2, 41))
+    row = found.squeeze("drive_amplitude")
+    differ, two = (
+        np.abs(row[name].diff("direction").values[0]) >= 0.1
+        for name in ("largest_angle", "settled_angle")
+    )
+    # At 1.625 the clacking goes on for a while before it dies out.
+    assert row.frequency_ratio.values[differ & ~two] == pytest.approx([1.625])
+    assert (row.bistable_low, row.bistable_high) == pytest.approx((1.67, 3.2))
+    assert row.bistable_ranges == 2
+    (axes,) = draw(ll.load(ll.save(found, tmp_path / "loop.nc"))).axes
+    shade, *hollow = axes.collections
+    shaded = shade.get_paths()
+    covered = [
+        any(path.contains_point((ratio, math.radians(120.0))) for path in shaded)
+        for ratio in (1.625, 1.8, 2.0, 3.1)
+    ]
+    assert covered == [False, True, False, True]
+    drawn = np.degrees([each.get_offsets()[:, 1] for each in hollow])
+    assert drawn.ravel() == pytest.approx([5.16, 174.8], abs=0.1)
+
+
 def test_area_range_and_jumps_of_a_square_loop():
     ratios = np.linspace(1.0, 2.0, 11)
     up = np.where(ratios > 1.75, 0.5, 0.0)

@@ -42,12 +42,13 @@ _ENDS = ("largest_angle_after_transient", "final_angle", "final_angular_velocity
 
 _QUANTITIES = {
     "direction": Quantity("1", "", "way along the frequencies"),
+    "settled_angle": Quantity("rad", r"\theta_{max}", "largest angle once settled"),
     "jump_ratio": Quantity("1", r"\omega_j/\omega_0", "frequency ratio of the largest jump"),
     "jump_height": Quantity("rad", r"\Delta\theta_j", "change of the largest angle at the jump"),
     "loop_area": Quantity("rad", "S", "area between both ways, over the frequency ratio"),
     "bistable_low": Quantity("1", r"r_-", "lowest frequency ratio with two answers"),
     "bistable_high": Quantity("1", r"r_+", "highest frequency ratio with two answers"),
-    "status": Quantity("1", "", "whether the answer depends on the way"),
+    "bistable_ranges": Quantity("1", "", "number of ranges with two answers"),
 }
 
 
@@ -110,12 +111,13 @@ def hysteresis(
     Returns
     -------
     xarray.Dataset
-        Over ``drive_amplitude``: ``largest_angle`` (also over ``direction``, "up" and "down", and
-        ``frequency_ratio``), ``jump_ratio`` and ``jump_height`` (also over ``direction``),
-        ``loop_area``, ``bistable_low``, ``bistable_high`` and ``status``: "hysteresis", "no
-        hysteresis" (jumps may still exist; the bistable range is NaN), "not settled" (both ways
-        differ, but only because the motion had too little time, or because it never settles; the
-        bistable range is NaN) or "no answer".
+        Over ``drive_amplitude``: ``largest_angle`` and ``settled_angle`` (also over ``direction``,
+        "up" and "down", and ``frequency_ratio``), ``jump_ratio`` and ``jump_height`` (also over
+        ``direction``), ``loop_area``, ``bistable_low`` and ``bistable_high``, the lowest and the
+        highest ratio with two answers, ``bistable_ranges``, the number of ranges between them, and
+        ``status``: "hysteresis", "no hysteresis" (jumps may still exist; the bistable range is
+        NaN), "not settled" (both ways differ, but only because the motion had too little time, or
+        because it never settles; the bistable range is NaN) or "no answer".
 
     Raises
     ------
@@ -127,9 +129,10 @@ def hysteresis(
     ``loop_area`` is the integral of ``|down - up|`` over the frequency ratio by trapezes; a jump's
     ratio is the middle of the two neighbours with the largest change, known to half their distance,
     and NaN where no change reaches `least_jump`. Where both ways differ by that, both are followed
-    on for at least 300 drive periods: the range is that of the ratios at which they have settled
-    (see `response_period`) and still differ by it. Two chaotic motions count as not settled. What
-    it can miss: branches that neither sweep
+    on for at least 300 drive periods, and ``settled_angle`` is NaN for one that has not settled
+    then (see `response_period`); elsewhere it is that of the sweep. Ratios with two answers are
+    those at which the settled angles still differ by `least_jump`. Two chaotic motions count as not
+    settled. What it can miss: branches that neither sweep
     visits; a fold where the time per frequency is too short for the slow growth there, which
     widens the loop. A pendulum has to grow from `least_motion`: jumps come late unless half the
     duration is about ten growth times. A toy at rest in contact leaves it only where
@@ -177,14 +180,16 @@ def hysteresis(
         grid = grid if "ball" in grid.dims else grid.expand_dims("ball")
         angles, *ends = (grid[name].transpose(*order).values for name in _ENDS)
         angles = angles.max(axis=-1)
-    differ = np.abs(angles[:, 1] - angles[:, 0]) >= least_jump
-    lasting = differ & _lasts(swept, differ, ends, least_jump)
+    settled = _settled(swept, angles, ends, least_jump)
+    two = _apart(settled, least_jump)
     rows = [
         _loop(ratios, up, down, least_jump, each)
-        for (up, down), each in zip(angles, lasting, strict=True)
+        for (up, down), each in zip(angles, two, strict=True)
     ]
+    along = ("drive_amplitude", "direction", "frequency_ratio")
     variables: dict[str, Any] = {
-        "largest_angle": (("drive_amplitude", "direction", "frequency_ratio"), angles)
+        "largest_angle": (along, angles),
+        "settled_angle": (along, settled),
     }
     both = ("drive_amplitude", "direction")
     for name in rows[0]:
@@ -237,18 +242,21 @@ def _stirred(swept: _Sweep, start: dict[str, Any], least: float) -> Floats:
     return result
 
 
-def _lasts(
-    swept: _Sweep, differ: NDArray[np.bool_], ends: Sequence[Floats], least: float
-) -> NDArray[np.bool_]:
-    """Return the mask where both ways still differ once settled, shape as `differ`.
+def _apart(angles: Floats, least: float) -> NDArray[np.bool_]:
+    """Return the mask where both ways, along the second axis, differ by `least`."""
+    return np.asarray(np.abs(angles[:, 1] - angles[:, 0]) >= least)
 
-    Each goes on from its end at the frequency it has reached. `ends` are the angles and angular
-    velocities there, of shape (amplitude, way, ratio[, ball]).
+
+def _settled(swept: _Sweep, angles: Floats, ends: Sequence[Floats], least: float) -> Floats:
+    """Return the largest angles once settled, NaN where they do not settle, shape as `angles`.
+
+    Where both ways differ, each goes on from its end at the frequency it has reached. `ends` are
+    the angles and angular velocities there, of shape (amplitude, way, ratio[, ball]).
     """
     system, drive, amplitudes, ratios, options = swept
-    places = np.argwhere(differ)
+    places = np.argwhere(_apart(angles, least))
     if not len(places):
-        return differ
+        return angles
     row, column = np.tile(places, (2, 1)).T
     way = np.repeat([0, 1], len(places))
     frequencies = ratios * system.natural_frequency
@@ -271,20 +279,17 @@ def _lasts(
         angle_tolerance=1e-4,
         **{k: v for k, v in options.items() if k not in ("duration", "transient")},
     )
-    status, largest = motion["status"], motion["largest_angle_watched"]
-    one, two = status.reshape(2, -1)
-    known = np.isin(status, PERIODICITY).reshape(2, -1)
-    both_chaotic = (one == "aperiodic") & (two == "aperiodic")
-    apart = np.abs(np.diff(largest.reshape(2, -1), axis=0)[0]) >= least
-    result = np.zeros(differ.shape, dtype=bool)
-    result[tuple(places.T)] = known.all(axis=0) & apart & ~both_chaotic
+    status = motion["status"].reshape(2, -1)
+    is_known = np.isin(status, PERIODICITY) & ~np.all(status == "aperiodic", axis=0)
+    result = angles.copy()
+    result[row, way, column] = np.where(is_known.ravel(), motion["largest_angle_watched"], math.nan)
     return result
 
 
 def _loop(
-    ratios: Floats, up: Floats, down: Floats, least: float, lasting: NDArray[np.bool_]
+    ratios: Floats, up: Floats, down: Floats, least: float, is_two: NDArray[np.bool_]
 ) -> dict[str, Any]:
-    """Return jumps, area and range of one loop, whose ways differ for good where `lasting`."""
+    """Return jumps, area and range of one loop, with two answers where `is_two`."""
     result: dict[str, Any] = {"jump_ratio": [], "jump_height": []}
     for angles, way in ((up, 1.0), (down, -1.0)):
         change = way * np.diff(angles)
@@ -297,9 +302,10 @@ def _loop(
         result["jump_height"].append(height)
     gap = np.abs(down - up)
     result["loop_area"] = float(np.trapezoid(gap, ratios))
-    two = ratios[lasting]
+    two = ratios[is_two]
     result["bistable_low"] = float(two[0]) if len(two) else math.nan
     result["bistable_high"] = float(two[-1]) if len(two) else math.nan
+    result["bistable_ranges"] = int(np.count_nonzero(np.diff(is_two, prepend=False) & is_two))
     is_known = math.isfinite(result["loop_area"])
     result["status"] = LOOP if len(two) else (DELAY if np.any(gap >= least) else NO_LOOP)
     if not is_known:
