@@ -57,6 +57,33 @@ def test_multipliers_multiply_to_what_drag_and_impacts_take():
         assert result.difference_residual.item() < 1e-6
 
 
+def test_a_run_that_settles_on_another_motion_than_its_orbit_is_mentioned_with_its_end():
+    toy = ll.LatoLato(length=0.2, mass=0.05, damping=0.001, radius=0.018, restitution=0.9)
+    drive = ll.Harmonic(drive_amplitude=0.06, drive_frequency=6.0 * math.pi)
+    held = {"initial_angle": math.radians(20.0)}
+    near = floquet(toy, drive, **held)
+    gap = held["initial_angle"] - near.initial_angle
+    velocity = near.initial_angular_velocity / toy.natural_frequency
+    assert near.guess_distance.item() == pytest.approx(math.hypot(gap, velocity))
+    assert near.status.item() == "unstable"
+    assert np.degrees(near.initial_angle.item()) < 6.0
+    branch = ll.analysis.continue_orbit(toy, drive, low=1.0, high=3.0, points=1, **held)
+    assert branch.attrs["message"] == near.attrs["message"]
+    assert branch.guess_distance == near.guess_distance
+    run = ll.simulate(toy, drive, duration=400 * math.tau / drive.drive_frequency, **held)
+    angle, velocity = (run[name][-1].item() for name in ("angle", "angular_velocity"))
+    assert (
+        f"its angle is {angle:.6g} rad and its angular velocity {velocity:.6g} rad/s"
+        in (near.attrs["message"])
+    )
+    # From there the orbit of the run itself, to which a start beside it leads as well.
+    for change in (0.0, -0.7):
+        own = floquet(toy, drive, initial_angle=angle, initial_angular_velocity=velocity + change)
+        assert own.status.item() == "stable"
+        assert own.initial_angle.item() == pytest.approx(angle, abs=1e-5)
+        assert "message" not in own.attrs
+
+
 def test_two_mirrored_balls_have_the_multipliers_of_one():
     one = floquet(TOY, TOY_SHAKE, initial_angle=0.3, initial_angular_velocity=1.0)
     ball = TOY.balls[0]
@@ -73,8 +100,9 @@ def test_two_mirrored_balls_have_the_multipliers_of_one():
 def test_twice_the_period_squares_the_multipliers():
     once = floquet(TOY, TOY_SHAKE, initial_angle=0.3, initial_angular_velocity=1.0)
     names = ("initial_angle", "initial_angular_velocity")
-    twice = floquet(TOY, TOY_SHAKE, period=2, **{name: once[name].item() for name in names})
-    assert "message" not in once.attrs
+    orbit = {name: once[name].item() for name in names}
+    twice = floquet(TOY, TOY_SHAKE, period=2, **orbit)
+    assert "message" not in floquet(TOY, TOY_SHAKE, **orbit).attrs
     assert "repeats after 1 of 2 drive periods" in twice.attrs["message"]
     assert twice.response_period.item() == 1
     assert twice.multipliers.values == pytest.approx(once.multipliers.values**2, abs=1e-9)

@@ -17,7 +17,7 @@ from latolato.analysis.checks import (
     checked_periodic,
 )
 from latolato.analysis.registry import analyses, labelled, note, warn
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion, wilson_interval
 from latolato.core.errors import InputError
 from latolato.core.quantities import Quantity, Range
@@ -221,7 +221,7 @@ def basins(
     doubt = None
     if uncertain.any():
         share = 100.0 * float(uncertain.mean())
-        doubt = note("uncertain_basins", percent=share, tolerance=check_tolerance)
+        doubt = said("uncertain_basins", percent=share, tolerance=check_tolerance)
     unsettled = float((motion["status"] == "not settled").mean())
     if unsettled > 0.0:
         warn("unsettled_starts", percent=100.0 * unsettled, periods=transient_periods)
@@ -249,7 +249,7 @@ def basins(
         settings={
             "check_tolerance": check_tolerance,
             "numbers_used": used,
-            "message": doubt,
+            "message": note(doubt),
         },
     )
 

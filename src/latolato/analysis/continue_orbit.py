@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -11,11 +12,18 @@ import numpy as np
 from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.checks import check_span, check_vertical
 from latolato.analysis.conditions import NEARLY, closing_maps
-from latolato.analysis.floquet import shorter_period, smallest_period
+from latolato.analysis.floquet import doubts_about
 from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
-from latolato.analysis.orbits import CLOSED, PERIODS, check_taut, checked_guess, find_orbit
+from latolato.analysis.orbits import (
+    CLOSED,
+    PERIODS,
+    check_taut,
+    checked_guess,
+    distance_of,
+    find_orbit,
+)
 from latolato.analysis.past_graze import past_graze
-from latolato.analysis.registry import analyses, labelled, warn
+from latolato.analysis.registry import analyses, labelled, note, warn
 from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
 from latolato.core.errors import Word, name_gap
@@ -113,10 +121,10 @@ def continue_orbit(
         parameter's unit, ``special_angle``, ``special_initial_angle`` and
         ``special_initial_angular_velocity`` (of two balls each with ``_right`` and ``_left``);
         ``special[0]`` holds all of them of the first point,
-        for `bifurcation_curve`. ``status``: ``end of range``, ``points`` (more would follow),
-        ``closed`` (the branch is a loop, or runs into itself), ``slackens`` (it ends there: slack
-        balls move differently), ``lost`` (it ends here, or its steps became too short) or ``not
-        found``.
+        for `bifurcation_curve`. ``guess_distance`` is that of the first orbit, as in `floquet`.
+        ``status``: ``end of range``, ``points`` (more would follow), ``closed`` (the branch is a
+        loop, or runs into itself), ``slackens`` (it ends there: slack balls move differently),
+        ``lost`` (it ends here, or its steps became too short) or ``not found``.
 
     Raises
     ------
@@ -134,7 +142,8 @@ def continue_orbit(
     connected to the first orbit. At a graze the map has a square root, and Newton's method fails;
     the branch goes on with one impact more or less from the graze itself, with the speed of the
     slow impact as an unknown. If the first orbit has a shorter period that fits into `period`, so
-    has its branch, and the attribute ``message`` mentions it.
+    has its branch, and the attribute ``message`` mentions it, as it does a run from the guess that
+    settles on another motion.
 
     Examples
     --------
@@ -183,10 +192,11 @@ def continue_orbit(
     first = find_orbit(flow, guess, period)
     places: list[Place] = []
     specials: list[tuple[str, Place]] = []
-    status, message = "not found", None
+    status, message, distance = "not found", None, math.nan
     if first.defect <= CLOSED:
         check_taut(first)
-        message = shorter_period(smallest_period(first), period)
+        distance = distance_of(flow, first.start, guess)
+        message = note(*doubts_about(first, guess, period))
         toward = np.zeros(flow.size + 1)
         toward[-1] = 1.0 if direction == "up" else -1.0
         places = [branch.place(first, begun, toward)]
@@ -213,7 +223,8 @@ def continue_orbit(
                 warn("branch_lost_by", where=where, kind=Word(why))
             else:
                 warn("branch_lost", where=where)
-    variables = _variables(branch, places, specials) | {"status": status}
+    variables = _variables(branch, places, specials)
+    variables |= {"guess_distance": distance, "status": status}
     about = known.quantity
     result = labelled(
         variables,

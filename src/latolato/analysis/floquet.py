@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
@@ -16,13 +16,15 @@ from latolato.analysis.orbits import (
     PERIODS,
     Orbit,
     checked_guess,
+    distance_of,
     find_orbit,
     multipliers_of,
+    run_elsewhere,
     scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, note, warn
 from latolato.analysis.rules import said
-from latolato.core.errors import Word
+from latolato.core.errors import Sentence, Word, joined
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -46,7 +48,7 @@ QUANTITIES = {
 }
 _NUMBERS = (
     "growth_rate", "determinant", "expected_determinant", "difference_residual",
-    "multiplier_error", "impacts", "turns", "slowest_impact", "response_period",
+    "multiplier_error", "impacts", "turns", "slowest_impact", "response_period", "guess_distance",
 )  # fmt: skip
 # A modulus this close to one is neither stable nor unstable.
 _NEUTRAL = 1e-8
@@ -99,10 +101,11 @@ def floquet(
         time [1/s], minus infinity if it is zero; ``determinant`` beside
         ``expected_determinant`` exp(-gamma T) e^(2n), ``difference_residual`` and
         ``multiplier_error``; ``impacts``, ``turns``, ``slowest_impact``, ``response_period`` (the
-        smallest number of drive periods), ``defect`` and ``status``: ``stable``, ``unstable``,
-        ``neutral``, ``rest`` (balls rest on each other: a multiplier is exactly zero),
-        ``grazing`` (an impact without speed: the matrix has no limit), ``contradicted`` (a check
-        failed) or ``not found`` (everything else is NaN then).
+        smallest number of drive periods), ``guess_distance`` (how far the orbit is from the guess,
+        angular velocities over the natural frequency), ``defect`` and ``status``: ``stable``,
+        ``unstable``, ``neutral``, ``rest`` (balls rest on each other: a multiplier is exactly
+        zero), ``grazing`` (an impact without speed: the matrix has no limit), ``contradicted`` (a
+        check failed) or ``not found`` (everything else is NaN then).
 
     Raises
     ------
@@ -115,10 +118,11 @@ def floquet(
     The matrix is the exact derivative of the integrator's own steps. If Newton's method fails, the
     guess is followed for 40 and 400 periods first, which leads to attractors. Error of the
     multipliers: ``multiplier_error``, mostly below 1e-9. Of several orbits near the guess one is
-    found, not always the nearest. It may have a shorter period that fits into `period`:
-    ``response_period`` and the attribute ``message`` show it, and the multipliers are still those
-    over `period`. Strings may go slack on the way, but not at time zero;
-    ``expected_determinant`` is NaN then, as the laws of motion do not tell it beforehand.
+    found, not always the nearest, nor that on which the run from the guess settles: where that is
+    another one, the attribute ``message`` has the end of the run, to be given as guess. It may have
+    a shorter period that fits into `period`: ``response_period`` and ``message`` show it, and the
+    multipliers are still those over `period`. Strings may go slack on the way, but not at time
+    zero; ``expected_determinant`` is NaN then, as the laws of motion do not tell it beforehand.
 
     Examples
     --------
@@ -138,6 +142,10 @@ def floquet(
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
     orbit = find_orbit(flow, guess, period)
     result = describe_orbit(orbit)
+    doubts = []
+    if orbit.defect <= CLOSED:
+        result["guess_distance"] = distance_of(flow, orbit.start, guess)
+        doubts = doubts_about(orbit, guess, period)
     if result["status"] == "not found":
         string = said("taut_start") if flow.is_string else ""
         warn("no_orbit", period=period, defect=float(orbit.defect), string=string)
@@ -150,16 +158,22 @@ def floquet(
         quantities=QUANTITIES,
         settings={
             "contact": "none" if not math.isfinite(flow.walls[0]) else "exact",
-            "message": shorter_period(result["response_period"], period),
+            "message": note(*doubts),
         },
     )
 
 
-def shorter_period(smallest: Any, period: int) -> str | None:
-    """Return a message about a motion that has a shorter period than was wanted."""
-    if smallest not in range(1, period):
-        return None
-    return note("shorter_period", smallest=float(smallest), period=period)
+def doubts_about(orbit: Orbit, guess: Floats, period: int) -> list[Sentence]:
+    """Return why an orbit may not be the one that was wanted: its period, or a run beside it."""
+    result = []
+    if (smallest := smallest_period(orbit)) < period:
+        result.append(said("shorter_period", smallest=float(smallest), period=period))
+    if elsewhere := run_elsewhere(orbit, guess):
+        periods, end = elsewhere
+        digits = [float(f"{number:.6g}") for number in end]
+        angle, velocity = joined(digits[0::2], ", "), joined(digits[1::2], ", ")
+        result.append(said("run_elsewhere", periods=periods, angle=angle, velocity=velocity))
+    return result
 
 
 def describe_orbit(orbit: Orbit) -> dict[str, object]:
@@ -259,13 +273,10 @@ def smallest_period(orbit: Orbit) -> int:
     """Return the smallest number of drive periods after which an orbit repeats itself."""
     period = drive_period(orbit.flow.drive)
     count = round(orbit.duration / period)
-    unit = scale_of(orbit.flow.system)
     for divisor in range(1, count):
         if count % divisor:
             continue
         end = orbit.flow.follow(orbit.start, divisor * period).end
-        gap = (end - orbit.start) / unit
-        gap[0::2] -= math.tau * np.round(gap[0::2] / math.tau)
-        if np.linalg.norm(gap) < 1e-7:
+        if distance_of(orbit.flow, end, orbit.start) < 1e-7:
             return divisor
     return count

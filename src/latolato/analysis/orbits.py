@@ -24,6 +24,12 @@ _HALVINGS = 8
 _LARGEST_MOVE = 0.2
 # Periods for which a guess without an orbit is followed before it is tried again.
 _SETTLING = (40, 400)
+# A guess this near to an orbit is meant to be the orbit [rad].
+_MEANT = 0.01
+# A run so near to an orbit has settled on it [rad]. It is followed for some of the orbit's periods:
+# more of them where perturbations of the orbit die out slowly.
+_SETTLED = 1e-3
+_FOLLOWED = (400, 4000)
 # An impact this slow, over the natural frequency, is grazing: its matrix is unlimited.
 GRAZING_SPEED = 1e-5
 
@@ -129,6 +135,38 @@ def find_orbit(flow: Flow, guess: Floats, period: int, *, settles: bool = True) 
         if later.defect <= CLOSED:
             return later
     return orbit
+
+
+def run_elsewhere(orbit: Orbit, guess: Floats) -> tuple[int, Floats] | None:
+    """Return the drive periods and the end of the run from a guess that settles elsewhere, or None.
+
+    None too for a run that cannot be followed, and for one that has come as near as perturbations
+    of the orbit let it.
+    """
+    flow, distance = orbit.flow, distance_of(orbit.flow, orbit.start, guess)
+    if distance <= _MEANT:
+        return None
+    slowest = min(float(np.abs(orbit.multipliers[0])), 1.0)
+    needed = math.log(_SETTLED / distance) / math.log(slowest) if 0.0 < slowest < 1.0 else 0.0
+    count = int(np.clip(needed, *_FOLLOWED))
+    run = flow.follow(guess, count * orbit.duration)
+    left = max(_SETTLED, 10.0 * distance * slowest**count if slowest < 1.0 else 0.0)
+    period = drive_period(flow.drive)
+    shifts = range(round(orbit.duration / period))
+    states = (flow.follow(orbit.start, k * period).end if k else orbit.start for k in shifts)
+    if not run.is_complete or any(distance_of(flow, run.end, each) <= left for each in states):
+        return None
+    return count * len(shifts), unwound(flow, run.end)
+
+
+def distance_of(flow: Flow, one: Floats, other: Floats) -> float:
+    """Return how far apart two states are [rad], angular velocities over the natural frequency.
+
+    Whole turns do not count.
+    """
+    gap = (one - other) / scale_of(flow.system)
+    gap[0::2] -= math.tau * np.round(gap[0::2] / math.tau)
+    return float(np.linalg.norm(gap))
 
 
 def shoot(flow: Flow, guess: Floats, duration: float) -> Orbit:

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.rules import said
-from latolato.core.errors import Sentence, is_quantity
+from latolato.core.errors import Sentence, is_quantity, joined
 from latolato.core.parameters import Parameter, function_parameters
 from latolato.core.quantities import QUANTITIES, Quantity
 from latolato.core.registry import Given, Registry, checked_array, describe, flattened
@@ -109,9 +109,12 @@ def warn(rule: str, /, **values: Any) -> None:
 _NOTES: ContextVar[list[Sentence] | None] = ContextVar("notes", default=None)
 
 
-def note(rule: str, /, **values: Any) -> str:
-    """Return the message that a result has by a rule, as plain text that files can hold."""
-    sentence = said(rule, **values)
+def note(*sentences: Sentence | None) -> str | None:
+    """Return the message of a result, made of those that it needs, as text that files can hold."""
+    needed = [each for each in sentences if each]
+    if not needed:
+        return None
+    sentence = needed[0] if len(needed) == 1 else joined(needed, "; ")
     notes = _NOTES.get()
     if notes is not None:
         notes.append(sentence)
@@ -135,6 +138,7 @@ COMMON = {
     "ball": BALL,
     "multipliers": Quantity("1", r"\mu", "Floquet multipliers"),
     "impacts": Quantity("1", "n", "impacts in one period of the orbit"),
+    "guess_distance": Quantity("rad", r"\Delta\theta_g", "distance of the orbit from the guess"),
 }
 # What a file can hold as an attribute.
 _STORABLE = (int, float, str, tuple, list, np.generic, np.ndarray)

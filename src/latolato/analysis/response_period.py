@@ -13,9 +13,10 @@ from latolato.analysis.checks import (
     checked_periodic,
 )
 from latolato.analysis.registry import analyses, labelled, note
+from latolato.analysis.rules import said
 from latolato.analysis.starts import single_start, start_columns
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_motion
-from latolato.core.errors import Word
+from latolato.core.errors import Sentence, Word
 from latolato.observables.period import wrapped
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -144,20 +145,20 @@ def response_period(
         system=system,
         drive=drive,
         quantities=QUANTITIES_HERE,
-        settings={"message": _message(variables, longest, transient_periods)},
+        settings={"message": note(_message(variables, longest, transient_periods))},
     )
 
 
-def _message(values: dict[str, Any], longest: int, transient_periods: float) -> str | None:
+def _message(values: dict[str, Any], longest: int, transient_periods: float) -> Sentence | None:
     """Return why there is no answer, or a doubtful one, and what to try."""
     status, left = str(values["status"]), float(values["recurrence_residual"])
     if status == "aperiodic":
-        return note("aperiodic_run", longest=longest, left=left, periods=transient_periods)
+        return said("aperiodic_run", longest=longest, left=left, periods=transient_periods)
     if status == "not settled":
         longer = 4.0 * max(transient_periods, 3.0 * longest)
-        return note("still_changing", periods=transient_periods, longer=longer)
+        return said("still_changing", periods=transient_periods, longer=longer)
     if status == "grazing":
-        return note("grazing_period")
+        return said("grazing_period")
     if not math.isfinite(float(values["response_period"])):
-        return note("ended_run", status=Word(status))
+        return said("ended_run", status=Word(status))
     return None

@@ -248,6 +248,11 @@ RULES = {
         "the motion repeats after {smallest:g} of {period} drive periods already; another start "
         "may lead to one of period {period}, if there is any"
     ),
+    "run_elsewhere": Rule(
+        "the run from the guess does not settle on this motion: after {periods} drive periods its "
+        "angle is {angle} rad and its angular velocity {velocity} rad/s; to analyse the motion of "
+        "that run give these as {@initial_angle} and {@initial_angular_velocity}"
+    ),
     "no_lower_limit": Rule(
         "no lower limit was found up to {@drive_amplitude} {largest:g} m; raise "
         "{@largest_amplitude_ratio} or {@frequency_ratio}"

@@ -179,8 +179,8 @@ def in_parts(value: Any) -> Any:
     return _plain(value)
 
 
-def joined(parts: Iterable[str], between: str = " ") -> Sentence:
-    """Return sentences as one."""
+def joined(parts: Iterable[str | float], between: str = " ") -> Sentence:
+    """Return sentences, words and numbers as one sentence."""
     values = {f"part_{k}": part for k, part in enumerate(parts)}
     return Sentence(NamedRule("", between.join(f"{{{name}}}" for name in values), "", values))
 
