@@ -76,6 +76,11 @@ def test_answers_that_die_out_and_gaps_of_a_range_are_not_counted_nor_shaded(tmp
     assert row.frequency_ratio.values[differ & ~two] == pytest.approx([1.625])
     assert (row.bistable_low, row.bistable_high) == pytest.approx((1.67, 3.2))
     assert row.bistable_ranges == 2
+    assert found.attrs["message"] == (
+        "at 1 of 41 points both ways differ only for a while, or do not settle: these do not count "
+        "as two answers; there are still two answers at frequency_ratio 3.2, where the sweep ends: "
+        "end higher to see the whole range"
+    )
     (axes,) = draw(ll.load(ll.save(found, tmp_path / "loop.nc"))).axes
     shade, *hollow = axes.collections
     shaded = shade.get_paths()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -16,10 +16,11 @@ from latolato.analysis.checks import (
     checked_vertical,
     increasing,
 )
-from latolato.analysis.registry import analyses, labelled
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.registry import analyses, labelled, note
+from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.starts import start_columns, start_options
 from latolato.analysis.stroboscopic import settled_cases
+from latolato.core.errors import Sentence
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
 from latolato.observables.period import PERIODICITY, wrapped
 from latolato.physics.drives import Drive, PeriodicDrive
@@ -117,7 +118,8 @@ def hysteresis(
         highest ratio with two answers, ``bistable_ranges``, the number of ranges between them, and
         ``status``: "hysteresis", "no hysteresis" (jumps may still exist; the bistable range is
         NaN), "not settled" (both ways differ, but only because the motion had too little time, or
-        because it never settles; the bistable range is NaN) or "no answer".
+        because it never settles; the bistable range is NaN) or "no answer". The attribute
+        ``message`` mentions differences that do not last, and a range that the sweep cuts off.
 
     Raises
     ------
@@ -205,7 +207,11 @@ def hysteresis(
             "frequency_ratio": ratios,
         },
         quantities=_QUANTITIES,
-        settings={**start, "transient": transient},
+        settings={
+            **start,
+            "transient": transient,
+            "message": note(*_doubts(ratios, _apart(angles, least_jump) & ~two, two)),
+        },
     )
 
 
@@ -284,6 +290,18 @@ def _settled(swept: _Sweep, angles: Floats, ends: Sequence[Floats], least: float
     result = angles.copy()
     result[row, way, column] = np.where(is_known.ravel(), motion["largest_angle_watched"], math.nan)
     return result
+
+
+def _doubts(
+    ratios: Floats, passing: NDArray[np.bool_], two: NDArray[np.bool_]
+) -> Iterator[Sentence]:
+    """Yield which differences between both ways do not last, and at which ends others go on."""
+    if passing.any():
+        yield said("passing_difference", count=int(passing.sum()), of=passing.size)
+    if two[:, 0].any():
+        yield said("cut_off_below", ratio=float(ratios[0]))
+    if two[:, -1].any():
+        yield said("cut_off_above", ratio=float(ratios[-1]))
 
 
 def _loop(

@@ -190,6 +190,18 @@ RULES = {
         "{percent:.3g} % of the starts lead elsewhere at a tolerance of {tolerance:.1g} rad: their "
         "basin is uncertain"
     ),
+    "passing_difference": Rule(
+        "at {count} of {of} points both ways differ only for a while, or do not settle: these do "
+        "not count as two answers"
+    ),
+    "cut_off_below": Rule(
+        "there are still two answers at {@frequency_ratio} {ratio:g}, where the sweep begins: "
+        "begin lower to see the whole range"
+    ),
+    "cut_off_above": Rule(
+        "there are still two answers at {@frequency_ratio} {ratio:g}, where the sweep ends: end "
+        "higher to see the whole range"
+    ),
     "value_of": Rule("{name} = {value:.6g}"),
     "no_bifurcation": Rule(
         "no {kind} of a motion of one drive period was found near {where}; begin at a special "
