@@ -81,9 +81,8 @@ def test_ratios_of_both_parameters_are_set_in_the_order_in_which_they_depend(nam
 
 def test_a_curve_that_begins_beyond_the_box_begins_at_its_border():
     # The doubling nearest to the start lies at a larger amplitude than the box allows.
-    curve = bifurcation_curve(
-        PENDULUM, shake(1.905, 0.05), kind="period_doubling", low=(0.0, 1.7), high=(0.05, 2.3)
-    )
+    curve = bifurcation_curve(PENDULUM, shake(1.905, 0.05), low=(0.0, 1.7), high=(0.05, 2.3))
+    assert curve.attrs["bifurcation"] == "period_doubling"  # by default the nearest
     assert curve.drive_amplitude.values.max() == pytest.approx(0.05, abs=1e-9)
     assert curve.drive_amplitude.values.max() <= 0.05 + 1e-12
     assert list(curve.end_reason.values) == ["end of range"] * 2
@@ -118,7 +117,7 @@ def test_a_bouncing_ball_begins_and_doubles_as_on_a_flat_wall(kind):
 
 def swinging_fold(**options):
     return bifurcation_curve(
-        PENDULUM, shake(1.0457, 0.05), kind="fold", period=2, initial_angle=2.195,
+        PENDULUM, shake(1.0457, 0.05), period=2, initial_angle=2.195,
         initial_angular_velocity=2.518,
         **({"low": (0.0, 0.9), "high": (0.06, 2.3)} | options),
     )  # fmt: skip
@@ -448,14 +447,16 @@ def test_no_bifurcation_near_a_start_is_said():
 
 
 def test_a_fold_asked_for_where_a_symmetry_breaks_is_singular():
-    with pytest.warns(RuntimeWarning, match="or it is no fold"):
-        curve = bifurcation_curve(
-            PENDULUM, shake(0.9897, 0.2955), kind="fold", low=(0.05, 0.5), high=(0.5, 1.5)
-        )
-    assert curve.status.item() in ("singular", "not found")
-    broken = bifurcation_curve(
-        PENDULUM, shake(0.9897, 0.2955), kind="symmetry_breaking", low=(0.05, 0.5), high=(0.5, 1.5)
+    box = {"low": (0.05, 0.5), "high": (0.5, 1.5)}
+    why = (
+        "no fold was found near drive_amplitude = 0.2955 m, frequency_ratio = 0.9897, where "
+        "symmetry breaking is the nearest bifurcation of the motion: choose that as kind"
     )
+    with pytest.warns(RuntimeWarning, match=why):
+        curve = bifurcation_curve(PENDULUM, shake(0.9897, 0.2955), kind="fold", **box)
+    assert curve.status.item() in ("singular", "not found")
+    broken = bifurcation_curve(PENDULUM, shake(0.9897, 0.2955), **box)
+    assert broken.attrs["bifurcation"] == "symmetry_breaking"
     assert broken.status.item() == "complete"
     assert np.abs(broken.multipliers.values + 1.0).min(axis=1).max() < 1e-9
 

@@ -398,6 +398,24 @@ def test_a_link_computes_at_once(page):
     page.wait_for_selector("[data-answers='2']")
 
 
+def test_a_bifurcation_curve_begins_with_the_kind_that_its_motion_is_near(page):
+    page.goto("/?view=analyse&scenario=fig03a&analyse.what=bifurcation_curve&analyse.points=10"
+              "&analyse.ask=1")  # fmt: skip
+    page.wait_for_selector("[data-answers='1']")
+    kind = page.get_by_label("Kind", exact=True)
+    assert kind.locator("option:checked").inner_text() == "automatic"
+    assert page.get_by_role("row", name="Status").inner_text().split()[-1] == "complete"
+    reading = page.get_by_text("On the curve one periodic motion is at a bifurcation")
+    assert reading.is_visible()
+    kind.select_option("fold")
+    page.get_by_role("button", name="Compute").click()
+    page.wait_for_selector("[data-answers='2']")
+    page.get_by_text("“Driving amplitude” = 0.05 m, “Driving over natural frequency” = 1.91663, "
+                     "where period doubling is the nearest bifurcation of the motion: choose that "
+                     "as “Kind”").wait_for()  # fmt: skip
+    assert reading.count() == 0
+
+
 TOPS = """places => places.map(place => {
   const found = document.querySelector(place);
   return found?.checkVisibility() ? found.getBoundingClientRect().top : null;

@@ -21,7 +21,14 @@ from latolato.analysis.conditions import (
     closing_maps,
 )
 from latolato.analysis.curve import Curve, CurvePoint, Special
-from latolato.analysis.flow import Floats, Flow, checked_flow, drive_period, parameter_of
+from latolato.analysis.flow import (
+    Floats,
+    Flow,
+    checked_flow,
+    drive_period,
+    named_value,
+    parameter_of,
+)
 from latolato.analysis.orbits import (
     CLOSED,
     PERIODS,
@@ -31,7 +38,7 @@ from latolato.analysis.orbits import (
     scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
-from latolato.analysis.rules import broken_analysis, said
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.self_start import resting_angles
 from latolato.analysis.special_point import SpecialPoint, check_left_out
 from latolato.core.errors import InputError, Word, joined, name_gap
@@ -50,6 +57,9 @@ if TYPE_CHECKING:
 
 Kind = Literal["fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"]
 KINDS: tuple[Kind, ...] = get_args(Kind)
+# Kinds at which a multiplier is critical, which may be one of several maps that close a motion. A
+# symmetric motion that doubles its period or breaks its symmetry seems to be at a fold as well.
+_CRITICAL: dict[Kind, float] = {"period_doubling": -1.0, "symmetry_breaking": -1.0, "fold": 1.0}
 QUANTITIES = {
     "is_edge": Quantity("1", "", "whether stable motions end there"),
     "is_supercritical": Quantity("1", "", "whether the new motions begin stable"),
@@ -96,8 +106,8 @@ def bifurcation_curve(
     system, drive
         Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
-        What is followed, by default a fold. ``fold``: two motions meet and vanish, a multiplier is
-        one.
+        What is followed, by default the one of the first three to which a multiplier of the motion
+        is nearest. ``fold``: two motions meet and vanish, a multiplier is one.
         ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
         its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
         one, or its image, without speed. ``lift_off``: the force between balls at rest on each
@@ -173,7 +183,6 @@ def bifurcation_curve(
     """
     check_vertical(drive)
     if at is None:
-        kind = kind or "fold"
         period = period or 1
     else:
         check_left_out(
@@ -189,8 +198,9 @@ def bifurcation_curve(
         kind = KINDS[KINDS.index(found)]
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
-    _check_kind(flow, kind)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, None)
+    kind = kind or _nearest_kind(plane, guess, period)
+    _check_kind(flow, kind)
     condition, unknowns = _condition_of(plane, kind, guess, period)
     curve = Curve(condition)
     first = None if unknowns is None else curve.begin(unknowns)
@@ -203,10 +213,13 @@ def bifurcation_curve(
         status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
         pairs = zip(plane.names, plane.values, strict=True)
-        where = joined([said("value_of", name=name_gap(n), value=v) for n, v in pairs], ", ")
+        where = joined([named_value(flow, name, float(value)) for name, value in pairs], ", ")
+        values = {"kind": _word_of(kind), "where": where}
+        nearest = _nearest_kind(plane, guess, period)
         rule = "no_bifurcation" if period == 1 else "no_bifurcation_of_several"
-        values = {"kind": Word(kind.replace("_", " ")), "where": where}
-        if status == "not found":
+        if kind in _CRITICAL and nearest != kind:
+            warn("other_bifurcation", nearest=_word_of(nearest), **values)
+        elif status == "not found":
             warn(rule, period=period, **values)
         else:
             warn("two_bifurcations", **values)
@@ -248,6 +261,11 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
     return plane
 
 
+def _word_of(kind: str) -> Word:
+    """Return a kind in words."""
+    return Word(kind.replace("_", " "))
+
+
 def _check_kind(flow: Flow, kind: str) -> None:
     """Raise InputError for a kind that a system cannot have."""
     if kind in ("grazing", "lift_off") and not math.isfinite(flow.walls[0]):
@@ -259,14 +277,17 @@ def _check_kind(flow: Flow, kind: str) -> None:
 
 
 def _condition_of(
-    plane: Plane, kind: str, guess: Floats, period: int
+    plane: Plane, kind: Kind, guess: Floats, period: int
 ) -> tuple[Condition, Floats | None]:
     """Return the equations of a kind of curve, and unknowns to begin with."""
-    if kind in ("fold", "period_doubling", "symmetry_breaking"):
+    if kind in _CRITICAL:
         start, values = _closed_near(plane, guess, period, beside=(0.0,))
-        flow = plane.at(values)
-        mirror, count = _map_of(flow, start, kind, period)
-        condition = Multiplier(plane, mirror, count, 1.0 if kind == "fold" else -1.0)
+        maps = _maps_of(plane.at(values), start, kind, period)
+        if not maps:
+            raise broken_analysis("needs_mirror", parameter="kind", value=kind)
+        # Of maps that are equally near, the shortest.
+        _, mirror, count = min(maps, key=lambda each: each[0])
+        condition = Multiplier(plane, mirror, count, _CRITICAL[kind])
         return condition, condition.begin(start, values)
     return _touch_of(plane, kind, *_closed_near(plane, guess, period, beside=_BESIDE), period)
 
@@ -295,22 +316,30 @@ def _closed_near(
     return guess, plane.values
 
 
-def _map_of(flow: Flow, start: Floats, kind: str, period: int) -> tuple[Floats, int]:
-    """Return mirror and drive periods of the map whose multiplier is nearest to critical."""
+def _maps_of(flow: Flow, start: Floats, kind: Kind, period: int) -> list[tuple[float, Floats, int]]:
+    """Return mirror and drive periods of each map that may be at a bifurcation of a kind.
+
+    Before them stands how far from critical its nearest multiplier is.
+    """
     unit = np.eye(flow.size)
-    maps = closing_maps(flow, start, period, NEARLY) or [(unit, period)]
-    if kind != "fold":
-        maps = [m for m in maps if np.array_equal(m[0], unit) == (kind == "period_doubling")]
-    if not maps:
-        raise broken_analysis("needs_mirror", parameter="kind", value=kind)
-    critical = 1.0 if kind == "fold" else -1.0
+    result = []
+    for mirror, count in closing_maps(flow, start, period, NEARLY) or [(unit, period)]:
+        if kind == "fold" or np.array_equal(mirror, unit) == (kind == "period_doubling"):
+            matrix = mirror @ flow.follow(start, count * drive_period(flow.drive)).matrix
+            far = np.min(np.abs(multipliers_of(matrix) - _CRITICAL[kind]))
+            result.append((round(float(far), 6), mirror, count))
+    return result
 
-    def far(each: tuple[Floats, int]) -> float:
-        matrix = each[0] @ flow.follow(start, each[1] * drive_period(flow.drive)).matrix
-        return float(np.min(np.abs(multipliers_of(matrix) - critical)))
 
-    # Of maps that are equally near, the shortest.
-    return min(maps, key=lambda each: round(far(each), 6))
+def _nearest_kind(plane: Plane, guess: Floats, period: int) -> Kind:
+    """Return the kind of bifurcation to which the motion near a guess is nearest."""
+    start, values = _closed_near(plane, guess, period, beside=(0.0,))
+    flow = plane.at(values)
+    far = {
+        kind: min((each[0] for each in _maps_of(flow, start, kind, period)), default=math.inf)
+        for kind in _CRITICAL
+    }
+    return min(far, key=lambda kind: far[kind])
 
 
 def _touch_of(

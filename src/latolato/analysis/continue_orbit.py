@@ -13,7 +13,7 @@ from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.checks import check_span, check_vertical
 from latolato.analysis.conditions import NEARLY, closing_maps
 from latolato.analysis.floquet import doubts_about
-from latolato.analysis.flow import Floats, checked_flow, parameter_of, value_of
+from latolato.analysis.flow import Floats, checked_flow, named_value, parameter_of, value_of
 from latolato.analysis.orbits import (
     CLOSED,
     PERIODS,
@@ -24,7 +24,7 @@ from latolato.analysis.orbits import (
 )
 from latolato.analysis.past_graze import past_graze
 from latolato.analysis.registry import analyses, labelled, note, warn
-from latolato.analysis.rules import broken_analysis, said
+from latolato.analysis.rules import broken_analysis
 from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
 from latolato.core.errors import Word, name_gap
 from latolato.core.parameters import UnitOf
@@ -217,7 +217,7 @@ def continue_orbit(
         if not places:
             warn("branch_not_found")
         else:
-            where = said("value_of", name=name_gap(parameter), value=float(places[-1].value))
+            where = named_value(flow, parameter, float(places[-1].value))
             why = specials[-1][0].replace("_", " ") if specials else ""
             if why and specials[-1][1].value == places[-1].value:
                 warn("branch_lost_by", where=where, kind=Word(why))

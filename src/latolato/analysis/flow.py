@@ -11,7 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from latolato.analysis.checks import checked_repeating, hits_pull
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.rules import broken_analysis, said
+from latolato.core.errors import Sentence, name_gap
 from latolato.core.parameters import Parameter
 from latolato.core.quantities import POSITIVE
 from latolato.core.registry import checked_number, suggest
@@ -275,6 +276,13 @@ def parameter_of(system: System, drive: Drive, name: Any) -> Parameter:
         hint = suggest(str(name), list(known))
         raise broken_rule("unknown", {"kind": "parameter", "name": name, "hint": hint})
     return known[name]
+
+
+def named_value(flow: Flow, name: str, value: float) -> Sentence:
+    """Return the value of a parameter with its name and its unit."""
+    unit = parameter_of(flow.system, flow.drive, name).quantity.unit
+    tail = "" if unit == "1" else f" {unit}"
+    return said("value_of", name=name_gap(name), value=value, unit=tail)
 
 
 @cache

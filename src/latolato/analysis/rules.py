@@ -202,7 +202,7 @@ RULES = {
         "there are still two answers at {@frequency_ratio} {ratio:g}, where the sweep ends: end "
         "higher to see the whole range"
     ),
-    "value_of": Rule("{name} = {value:.6g}"),
+    "value_of": Rule("{name} = {value:.6g}{unit}"),
     "no_bifurcation": Rule(
         "no {kind} of a motion of one drive period was found near {where}; begin at a special "
         "point of continue_orbit"
@@ -211,7 +211,13 @@ RULES = {
         "no {kind} of a motion of {period} drive periods was found near {where}; begin at a "
         "special point of continue_orbit"
     ),
-    "two_bifurcations": Rule("two bifurcations fall on one point near {where}, or it is no {kind}"),
+    "other_bifurcation": Rule(
+        "no {kind} was found near {where}, where {nearest} is the nearest bifurcation of the "
+        "motion: choose that as {@kind}"
+    ),
+    "two_bifurcations": Rule(
+        "two bifurcations fall on one point near {where}, or it is no {kind}; begin at other values"
+    ),
     "branch_not_found": Rule("the branch was not found; try a start on the attractor"),
     "branch_lost": Rule(
         "the branch was lost at {where}: Newton's method fails with the shortest steps"

@@ -53,7 +53,7 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float]
     about = {
         "analysis": asked.name, "lines": lines,
         "python": asked.python(arguments), "command": asked.command(),
-        "points": result.sizes.get("point", 0),
+        "points": result.sizes.get("point"),
     }  # fmt: skip
     return about, {path.suffix[1:]: content_of(path) for path in folder.glob("result.*")}
 

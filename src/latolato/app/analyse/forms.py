@@ -84,8 +84,11 @@ def own_options(
 def _option(option: Parameter) -> dict[str, Any]:
     """Return how an option of an analysis is shown, and what it may be."""
     default = "" if option.is_required or option.default is None else option.default
-    if not default and option.choices:
-        default = option.choices[0]  # a page shows one of them
+    # A page shows one of them: an empty one where the analysis chooses.
+    choices = option.choices
+    if choices and option.default is None and not option.is_required:
+        choices = ("", *choices)
+    default = default or next(iter(choices), "")
     if isinstance(default, (tuple, list)):
         default = ", ".join(v if isinstance(v, str) else f"{v:g}" for v in default)
     description = _UNITS.sub("", _SI.sub("", option.description))
@@ -93,6 +96,7 @@ def _option(option: Parameter) -> dict[str, Any]:
         "label": label_of(option.name, option.unit),
         "symbol": "",
         "description": described(description),
+        "choices": list(choices),
         "labels": {each: label_of(each) for each in option.choices},
         "required": option.is_required,
         "default": f"{default:g}" if isinstance(default, float) else str(default),

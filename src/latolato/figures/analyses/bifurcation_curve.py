@@ -24,7 +24,7 @@ READING = (
     "dashed where the motion is unstable anyway. Marks show where something else happens too."
 )
 FIRST = {
-    "kind": "fold",
+    "kind": "",
     "parameters": "drive_amplitude, frequency_ratio",
     "low": "{corner_low}",
     "high": "{corner_high}",

@@ -62,7 +62,7 @@ export class ArgumentForm {
     const analyses = Object.entries(about.titles).map(([each, title]) => [each, { label: tr(title) }]);
     this.words = { ...Object.fromEntries(analyses), ...about.parameters, ...options };
     const defaults = Object.fromEntries(Object.entries(options).filter(([, each]) => each.switch || each.choices.length)
-      .map(([each, { default: usual, choices }]) => [each, usual.toLowerCase() || choices[0] || "false"]));
+      .map(([each, { default: usual, choices }]) => [each, usual.toLowerCase() || (choices[0] ?? "false")]));
     this.begun = { ...defaults, ...about.first[name] };
     const varied = about.parameters[typed[VARIED] ?? this.begun[VARIED]];
     if (varied && VARIED in options) for (const limit of LIMITS) this.begun[limit] = varied[limit];
@@ -77,7 +77,10 @@ export class ArgumentForm {
     this.shape = shape;
     const { units, prefixes } = this.registry;
     this.form = new Form(el("div", {}), { units, prefixes, alternatives: [], options: shown }, this.store);
-    this.registryInWords = { ...this.registry, options: /** @type {any} */ ({ ...this.registry.options, ...shown }) };
+    const known = this.registry.options;
+    const parameters = Object.fromEntries(Object.entries(about.parameters)
+      .map(([each, { label }]) => [each, { ...known[each], label }]));
+    this.registryInWords = { ...this.registry, options: /** @type {any} */ ({ ...known, ...parameters, ...shown }) };
     const field = (/** @type {string} */ each) => {
       const { choices, switch: isSwitch } = shown[each];
       if (each === VARIED) return this.form.choiceField(each, shown[each], choices);
@@ -101,7 +104,8 @@ export class ArgumentForm {
    */
   shownAs(name, option, about, varied) {
     const placeholder = option.default ? "" : t(option.required ? "fromScenario" : "automatic");
-    const shown = { ...option, placeholder, isExplained: true, takesRange: option.several };
+    const labels = { ...option.labels, "": t("automatic") };
+    const shown = { ...option, labels, placeholder, isExplained: true, takesRange: option.several };
     if (option.is_in_unit_of_parameter && varied) return { ...shown, ...varied.shown };
     if (name !== VARIED) return shown;
     const { parameters } = about;

@@ -3,6 +3,7 @@
 import { codeBlocks } from "../page/code.js";
 import { el, saveFile } from "../page/dom.js";
 import { fileOf } from "../page/jobs.js";
+import { inWords } from "../page/option_labels.js";
 import { sentenceInLanguage } from "../page/refusals.js";
 import { t } from "../strings.js";
 
@@ -19,19 +20,20 @@ export class ResultCard {
   /**
    * @param {Block} block
    * @param {import("./view.js").Analysis} analysis
-   * @param {(text: string) => string} inWords puts what the page calls it for names of options
+   * @param {Record<string, {label: string}>} words what options, parameters and analyses are called
    */
-  constructor(block, analysis, inWords) {
+  constructor(block, analysis, words) {
     const { about } = block;
     this.title = analysis.title;
     const files = Object.keys(TYPES).filter((kind) => kind in block.arrays);
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
     const notes = about.warnings.map((/** @type {string | import("../model/rules.js").Sentence} */ each) =>
-      el("p", { class: "notes" }, t("warning", { text: inWords(sentenceInLanguage(each)).replaceAll("_", " ") })));
+      el("p", { class: "notes" }, t("warning", { text: inWords(sentenceInLanguage(each, words), words).replaceAll("_", " ") })));
     this.root = el("div", { class: "main" },
       el("section", { class: "card" }, ...notes, block.arrays.png ? this.picture(block) : null,
-        el("p", { class: "reading-of" }, analysis.reading)),
+        // Of a curve without a point there is nothing to read.
+        about.points === 0 ? null : el("p", { class: "reading-of" }, analysis.reading)),
       el("section", { class: "card" }, el("h2", {}, t("numbers")),
         el("div", { class: "table-scroll", tabindex: "0", role: "region",
           "aria-label": t("numbers") },

@@ -248,8 +248,7 @@ export class AnalyseView {
       this.asked = "";
       return;
     }
-    const { words } = this.own;
-    const answer = new ResultCard(block, this.analyses[question.analysis], (text) => inWords(text, words));
+    const answer = new ResultCard(block, this.analyses[question.analysis], this.own.words);
     if (question.analysis === CURVE && block.about.points > 0) answer.actions.append(el("button", { type: "button", on: {
       click: () => void this.showOverMap(block) } }, t("showOverMap")));
     this.answer.replaceChildren(answer.root);

@@ -139,7 +139,7 @@ export class MeasureView {
     const warnings = clip?.mode === "result" ? clip.warnings : [];
     this.notes.textContent = [...(isGone ? [t("offline")] : []), warningsText(warnings)].join(" ").trim();
     const isAnswer = clip?.mode === "result";
-    const text = isAnswer ? clip.finding.map(sentenceInLanguage).join(" ")
+    const text = isAnswer ? clip.finding.map((each) => sentenceInLanguage(each)).join(" ")
       : t(clip?.sheet ? "sheetFinding" : "findingHere");
     refresh(this.numbers, [clip?.id, clip?.tracked, isAnswer],
       () => (isAnswer && clip.answer.length > 0 ? [answerNumbers(clip.answer)] : []));

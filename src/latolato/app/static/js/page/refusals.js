@@ -120,11 +120,22 @@ export function sentenceOfError(error) {
 }
 
 /**
+ * Return the language of the page, in which options are called by their labels.
+ * @param {Record<string, {label: string}>} options
+ * @returns {import("../model/rules.js").RuleLanguage}
+ */
+function naming(options) {
+  return { ...LANGUAGE, label: (parameter, value) =>
+    called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
+}
+
+/**
  * Return a sentence of a rule in the language of the page.
  * @param {string | import("../model/rules.js").Sentence} sentence
+ * @param {Record<string, {label: string}>} [options] that have labels of their own here
  */
-export function sentenceInLanguage(sentence) {
-  return legible(say(sentence, LANGUAGE));
+export function sentenceInLanguage(sentence, options = {}) {
+  return legible(say(sentence, naming(options)));
 }
 
 /**
@@ -224,9 +235,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
  */
 export function inPagesWords(registry, error) {
   const { options } = registry;
-  /** @type {import("../model/rules.js").RuleLanguage} */
-  const language = { ...LANGUAGE, label: (parameter, value) =>
-    called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
+  const language = naming(options);
   if (!(error instanceof InputError) || error.parameter === null) return [begun(inLanguage(error, language), error), null];
   const [name] = error.parameter.split(/[[ ]/);
   const option = options[name];
