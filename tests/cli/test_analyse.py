@@ -188,6 +188,18 @@ def test_an_option_of_the_analysis_wins_over_that_of_the_drive():
     assert found["drive_amplitude"] == wanted.drive_amplitude.item()
 
 
+@pytest.mark.parametrize(
+    "name, scenario",
+    [("threshold_amplitude", "fig03a"), ("self_start", "fig04a"), ("inverted_limits", "kapitza")],
+)
+def test_an_answer_at_one_frequency_is_for_that_of_the_drive(name, scenario):
+    law = ll.load_scenario(scenario)
+    ratio = law.drive.drive_frequency / law.system.natural_frequency
+    wanted = analyses[name](law.system, frequency_ratio=ratio)
+    for key, found in values(name, scenario).items():
+        assert found == wanted[key].item(), key
+
+
 def test_options_are_made_from_the_signature_and_from_the_docstring():
     own = options_of(example)
     assert set(own) == {

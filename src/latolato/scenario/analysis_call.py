@@ -71,8 +71,10 @@ class AnalysisCall:
                 result[name] = kicks[name]
             elif name in sweep:
                 result[name] = read_value(option, sweep[name])
+            elif (given := _of_laws(option, scenario)) is not None:
+                result[name] = given
             elif option.is_required:
-                result[name] = self._needed(option, scenario)
+                raise _missing(option)
         self._tell_left_out(scenario)
         return result
 
@@ -101,26 +103,6 @@ class AnalysisCall:
                 _set_law(tables, option, values[name])
         scenario = changed_scenario(path, tables)
         return scenario, {k: v for k, v in sweep.items() if k in _OF_SWEEP}
-
-    def _needed(self, option: Parameter, scenario: Scenario) -> Any:
-        """Return a needed value from the laws of a scenario."""
-        from latolato.analysis.flow import value_of
-        from latolato.analysis.rules import RULES, broken_analysis
-
-        drive = _moving(scenario)
-        if drive is not None and not option.several:
-            try:
-                return value_of(scenario.system, drive, option.name)
-            except InputError:
-                pass
-        unit = "" if option.unit_of else in_brackets(option.unit)
-        values = sentence("value_of_each" if option.unit_of else "such_values", RULES)
-        raise broken_analysis(
-            "needed_by_analysis",
-            {"unit": unit},
-            parameter=option.name,
-            way_out=values if option.several else None,
-        )
 
     def _value(self, option: Parameter, values: Mapping[str, Any], scenario: Scenario) -> Any:
         """Return the argument of an option; its unit may be that of what another option names."""
@@ -209,3 +191,33 @@ def axes_of(source: str | None) -> list[str]:
         return []
     sweep = tables.get("sweep", {})
     return list(sweep.get("axes", {})) if isinstance(sweep, Mapping) else []
+
+
+def _of_laws(option: Parameter, scenario: Scenario) -> float | None:
+    """Return the value that the laws of a scenario give an option of one number, if they do.
+
+    An answer at one frequency, say, is for that of the drive.
+    """
+    from latolato.analysis.flow import value_of
+
+    drive = _moving(scenario)
+    if drive is None or option.several:
+        return None
+    try:
+        return value_of(scenario.system, drive, option.name)
+    except InputError:
+        return None
+
+
+def _missing(option: Parameter) -> InputError:
+    """Return the error of an option without which an analysis has no answer."""
+    from latolato.analysis.rules import RULES, broken_analysis
+
+    unit = "" if option.unit_of else in_brackets(option.unit)
+    values = sentence("value_of_each" if option.unit_of else "such_values", RULES)
+    return broken_analysis(
+        "needed_by_analysis",
+        {"unit": unit},
+        parameter=option.name,
+        way_out=values if option.several else None,
+    )

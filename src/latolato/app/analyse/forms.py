@@ -83,7 +83,12 @@ def own_options(
 
 def _option(option: Parameter) -> dict[str, Any]:
     """Return how an option of an analysis is shown, and what it may be."""
-    default = "" if option.is_required or option.default is None else option.default
+    from latolato.scenario.options import law_options
+
+    law = law_options().get(option.name)
+    is_of_law = law is not None and law.owner in ("system", "drive") and not option.several
+    is_from_scenario = option.is_required or is_of_law
+    default = "" if is_from_scenario or option.default is None else option.default
     # A page shows one of them: an empty one where the analysis chooses.
     choices = option.choices
     if choices and option.default is None and not option.is_required:
@@ -98,7 +103,7 @@ def _option(option: Parameter) -> dict[str, Any]:
         "description": described(description),
         "choices": list(choices),
         "labels": {each: label_of(each) for each in option.choices},
-        "required": option.is_required,
+        "is_from_scenario": is_from_scenario,
         "default": f"{default:g}" if isinstance(default, float) else str(default),
         "suggested": None,
         "is_in_unit_of_parameter": bool(option.unit_of) and not option.several,

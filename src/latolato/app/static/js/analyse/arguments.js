@@ -6,7 +6,7 @@ import { inWords } from "../page/option_labels.js";
 import { t, tr } from "../strings.js";
 
 /** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
-/** @typedef {FieldOption & {required: boolean, is_in_unit_of_parameter: boolean}} Argument */
+/** @typedef {FieldOption & {is_from_scenario: boolean, is_in_unit_of_parameter: boolean}} Argument */
 /** @typedef {{title: string, options: Record<string, any>, titles: Record<string, string>,
  *   first: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, low: string, high: string,
@@ -103,7 +103,7 @@ export class ArgumentForm {
    * @returns {Argument}
    */
   shownAs(name, option, about, varied) {
-    const placeholder = option.default ? "" : t(option.required ? "fromScenario" : "automatic");
+    const placeholder = option.default ? "" : t(option.is_from_scenario ? "fromScenario" : "automatic");
     const labels = { ...option.labels, "": t("automatic") };
     const shown = { ...option, labels, placeholder, isExplained: true, takesRange: option.several };
     if (option.is_in_unit_of_parameter && varied) return { ...shown, ...varied.shown };
