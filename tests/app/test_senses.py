@@ -13,6 +13,7 @@ from browser_checks import serious_faults
 from held_pages import AT_REST
 
 GAP = 3000  # ms between sentences
+CLOCK = "window.latolato.views.toy.player.clock"
 # What each view shows.
 TOY = "&scenario=toy"
 SMALL = "&map.scenario=fig05_push&map.duration=20&map.size=8&map.observable=largest_angle"
@@ -99,6 +100,20 @@ def test_a_run_is_told_in_a_polite_region_as_fast_as_one_can_follow(page):
     assert regions
     spoken = [text_of(node, "name") for node in accessible(page)]
     assert told[-1][1] in spoken
+
+
+def test_each_turn_of_a_loop_is_told_from_its_beginning(page):
+    page.emulate_media(reduced_motion="reduce")
+    open_view(page, TOY)
+    page.evaluate(WATCH)
+    page.evaluate(f"() => {{ {CLOCK}.time = 13; }}")
+    page.get_by_role("button", name="Play", exact=True).click()
+    wait_until_said(page, "below and above the hand in turn")
+    page.wait_for_function(f"() => {CLOCK}.time < 5")
+    page.wait_for_function("() => document.querySelector('.narration').textContent === ''")
+    assert page.evaluate(f"() => {CLOCK}.time") < 1
+    wait_until_said(page, "clack above the hand for the first time")
+    assert page.evaluate(f"() => {CLOCK}.time") > GAP / 1000
 
 
 def test_a_pause_says_where_everything_is_and_then_is_silent(page):

@@ -11,6 +11,8 @@ import { logOf } from "./events.js";
 const GAP = 3000; // ms
 // A change is mentioned when nothing was changed for so long.
 const SETTLE = 700; // ms
+// Playing from before this instant is playing from the beginning.
+const BEGINNING = 1; // s
 // More parameters change at once only where another motion is chosen.
 const MOST_CHANGES = 2;
 
@@ -141,12 +143,18 @@ export class LiveRegion {
     const begins = isPlaying && !this.isPlaying;
     const ends = !isPlaying && this.isPlaying;
     this.isPlaying = isPlaying;
-    if (time < this.time) [this.from, this.since, this.last] = [time, 0, null];
+    const isBack = time < this.time;
+    if (isBack) [this.since, this.last] = [0, null];
     this.time = time;
     if (ends) this.pause();
-    if (begins) this.from = time;
     if (!isPlaying) return;
-    if (begins && time < 1) this.announce([startSentence(motion)]);
+    if (begins || isBack) this.from = time < BEGINNING ? 0 : time;
+    if (isBack) {
+      // What was said is not yet true again.
+      this.line.textContent = "";
+      this.announcedAt = performance.now();
+    }
+    if (begins && time < BEGINNING) this.announce([startSentence(motion)]);
     else if (performance.now() - this.announcedAt > GAP) this.follow();
   }
 
