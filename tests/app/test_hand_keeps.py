@@ -14,7 +14,7 @@ def keep(page, *, key=None, seconds=0.5):
         page.keyboard.press(key)
     wait_for_toy(page, f"toy.time > {seconds}")
     page.get_by_role("button", name="Keep the last minute").click()
-    page.get_by_text("These are the last").wait_for()
+    page.get_by_text("the motion of the last").wait_for()
     page.wait_for_function(f"() => !{PLAYER}.clock.lead && {PLAYER}.motion")
 
 
@@ -54,6 +54,40 @@ def test_what_a_hand_did_is_shown_as_it_was(page, tmp_path):
     with next_run(page):
         page.get_by_label("How far the hand moves, slider").press("ArrowRight")
     assert not page.evaluate(f"() => {PLAYER}.motion.about.by_hand")
+
+
+def test_no_link_from_a_motion_by_hand_opens_another_motion_in_silence(page):
+    open_held(page)
+    keep(page, key="p", seconds=1)
+    link = page.url
+    assert "drive_amplitude" in link
+    warning = page.get_by_text("no link can reproduce. This is another motion")
+    # Another motion here is no other one than was asked for.
+    with next_run(page):
+        page.get_by_role("button", name="Reset").click()
+    page.wait_for_function("() => !location.search.includes('toy.kept')")
+    assert not page.get_by_text("the motion of the last").is_visible()
+    assert not warning.is_visible()
+    page.go_back()
+    warning.wait_for()
+    page.goto("about:blank")
+    page.goto(link)
+    page.wait_for_selector("[data-runs]")
+    warning.wait_for()
+    page.wait_for_function("() => !location.search.includes('toy.kept')")
+    with next_run(page):
+        page.get_by_label("How far the hand moves, slider").press("ArrowRight")
+    warning.wait_for(state="detached")
+
+
+def test_a_reset_leads_from_a_kept_run_to_the_toy(page):
+    open_held(page)
+    keep(page, seconds=1)
+    page.wait_for_selector("[data-runs]")
+    assert "drive=staged_harmonic" in page.url or "drive=harmonic" in page.url
+    with next_run(page):
+        page.get_by_role("button", name="Reset").click()
+    assert page.get_by_label("How far the hand moves, slider").is_visible()
 
 
 def test_what_was_kept_can_be_pinned_and_taken_again(page):

@@ -13,7 +13,7 @@ import { inPagesWords, stopped } from "./refusals.js";
 const LONGEST = 60;
 // What a link may hold of views that read all of theirs; others name what they cannot read themselves.
 const PARTS = /** @type {Record<string, string[]>} */ ({
-  toy: ["hand"], report: [],
+  toy: ["hand", "kept"], report: [],
   story: ["list", "name", "step", "answers", "tried", "guess"],
 });
 // What is pressed where an option is missing, or is none of the system, the drive and the contact.
@@ -111,7 +111,7 @@ export function waysBack({ registry, store }, error) {
 export function leaveOut(page, names) {
   const { extra, view } = page.store.state;
   const left = names.map((name) => /** @type {[string, string]} */ ([name, extra[name]]));
-  if (names.length) page.store.drop(names);
+  page.store.drop(names);
   sayLeft(page, left, `link of ${view}`);
 }
 
@@ -122,14 +122,7 @@ export function leaveOut(page, names) {
  * @param {string} [about] whose part of the link
  */
 export function sayLeft({ messages, store }, left, about = "link") {
-  if (!left.length) return;
-  messages.show(about, t("leftOut", { parts: left.map(partText).join(", ") }), { stays: true });
-  const { step } = store;
-  const end = store.subscribe(() => {
-    if (store.step === step) return;
-    end();
-    messages.drop(about);
-  });
+  if (left.length) messages.showOfStep(about, t("leftOut", { parts: left.map(partText).join(", ") }), store);
 }
 
 /**

@@ -55,6 +55,22 @@ export class Messages {
   }
 
   /**
+   * Show a message until something else is chosen.
+   * @param {string} about
+   * @param {string} text
+   * @param {import("./state.js").Store} store
+   */
+  showOfStep(about, text, store) {
+    this.show(about, text, { stays: true });
+    const { step } = store;
+    const end = store.subscribe(() => {
+      if (store.step === step) return;
+      end();
+      this.drop(about);
+    });
+  }
+
+  /**
    * @param {string} about
    * @param {HTMLElement} message
    * @param {number} after in ms

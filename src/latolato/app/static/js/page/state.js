@@ -22,6 +22,8 @@
 export const FIRST = "toy";
 /** Where the address says that a hand holds the toy. */
 export const HELD = "toy.hand";
+/** Where the address says that what it was taken from was played by hand, which no address repeats. */
+export const PLAYED = "toy.kept";
 /** What views of older versions are now. @type {Record<string, Partial<State>>} */
 const FORMER = { play: { view: "toy" }, live: { view: "toy", extra: { [HELD]: "1" } },
   story: { view: "toy", extra: { "story.list": "1" } }, experiment: { view: "measure" } };
@@ -181,12 +183,14 @@ export class Store {
   }
 
   /**
-   * Take parts of `extra` out of the address, without an entry.
+   * Take parts of `extra` out of the address, without an entry; returns whether there were any.
    * @param {string[]} names
    */
   drop(names) {
-    this.amend({ extra: Object.fromEntries(Object.entries(this.state.extra)
-      .filter(([name]) => !names.includes(name))) });
+    const { extra } = this.state;
+    const isAny = names.some((name) => name in extra);
+    if (isAny) this.amend({ extra: Object.fromEntries(Object.entries(extra).filter(([name]) => !names.includes(name))) });
+    return isAny;
   }
 
   /**

@@ -13,7 +13,7 @@ import { presetField } from "../page/presets.js";
 import { inPagesWords, warningsText } from "../page/refusals.js";
 import { Runner } from "../player/runner.js";
 import { withStart } from "../player/start.js";
-import { FIRST, HELD } from "../page/state.js";
+import { FIRST, HELD, PLAYED } from "../page/state.js";
 import { DEGREE } from "../page/unit_text.js";
 import { t, tr } from "../strings.js";
 
@@ -157,6 +157,7 @@ export class ToyView {
     if (changed === "extra") return;
     // Whoever changes a parameter wants a run of these parameters.
     this.kept = null;
+    if (changed !== "address") this.page.store.drop([PLAYED]);
     if (changed === "preset") this.form?.forget();
     if (isHeld) {
       this.hand?.follow(changed === "address");
@@ -172,6 +173,7 @@ export class ToyView {
     const isPressed = document.activeElement === this.hold;
     this.runner.stop();
     this.kept = null;
+    this.page.store.drop([PLAYED]);
     this.note("");
     this.hold.setAttribute("aria-pressed", "true");
     this.hand ??= await this.makeHand();
@@ -221,10 +223,9 @@ export class ToyView {
    * @param {Record<string, any>} options in SI units
    */
   showHeld(options) {
-    const { scenario } = this.request();
-    this.presets.show(scenario);
+    this.presets.show(this.request().scenario);
     this.answer.hidden = true;
-    this.reset.classList.toggle("idle", !scenario || Object.keys(this.page.store.state.options).length === 0);
+    this.reset.classList.toggle("idle", Object.keys(this.page.store.state.options).length === 0);
     this.showOptions(options);
     this.root.dataset.ready = "true";
   }
@@ -241,9 +242,9 @@ export class ToyView {
     if (options) store.set({ scenario: null, options, extra }, "preset");
     else {
       this.kept = block;
-      store.set({ extra }, "extra");
+      store.set({ extra: { ...extra, [PLAYED]: "1" } }, "extra");
     }
-    this.page.messages.show("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), { stays: true });
+    this.page.messages.showOfStep("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), store);
   }
 
   /**
@@ -296,9 +297,10 @@ export class ToyView {
     const { scenario, options } = this.request();
     this.presets.show(scenario);
     this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
-    this.reset.classList.toggle("idle", !scenario || Object.keys(store.state.options).length === 0);
     const waiting = setTimeout(() => this.wait(), PATIENCE);
     const { kept } = this;
+    this.reset.classList.toggle("idle", !kept && Object.keys(store.state.options).length === 0);
+    if (!kept && store.drop([PLAYED])) this.page.messages.showOfStep("kept", t("notKept"), store);
     this.isThinned = this.isSliding;
     const pending = kept ? Promise.resolve(kept)
       : this.runner.compute({ scenario, options }, { stretch: this.isThinned ? this.stretch : null });
