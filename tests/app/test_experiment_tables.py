@@ -336,6 +336,28 @@ def test_a_file_that_is_no_table_is_refused_in_words(page, tmp_path):
     page.locator("[data-state=empty]").wait_for()
 
 
+def test_an_empty_file_is_refused_with_a_way_on(page, watch, tmp_path):
+    path = tmp_path / "empty.csv"
+    path.touch()
+    page.goto("/?view=measure")
+    page.get_by_label(DROP).set_input_files(path)
+    page.get_by_role("alert").filter(has_text="it is empty; choose another file").wait_for()
+    assert page.get_by_label(DROP).is_visible()
+    watch.faults.clear()  # the server refuses the upload
+
+
+def test_a_refused_fit_names_fields_that_fit_a_part(page, angle, tmp_path):
+    broken = np.where(TIME < 6.0, angle, angle[::-1])
+    dropped(page, written(tmp_path / "two.csv", "t (s),theta (rad)", TIME, broken))
+    used(page)
+    page.get_by_text("give “fit from” and “fit up to” to fit a part").wait_for()
+    assert not page.get_by_text("kept for inspection").is_visible()
+    page.get_by_role("button", name="Correct the set-up").click()
+    enter(page.get_by_label("fit up to", exact=True), "5.9")
+    used(page)
+    assert found_length(page) == pytest.approx(LENGTH, rel=1e-2)
+
+
 def test_a_doubted_record_shows_the_doubt_first(page, angle, tmp_path):
     kept = (TIME < 8.0) | (TIME > 8.73)
     time = np.where(TIME < 8.0, TIME, TIME - 0.73)[kept]
@@ -351,7 +373,7 @@ def test_a_table_is_shown_in_another_language(page, angle, tmp_path):
     path = written(tmp_path / "swing.csv", "t (s),theta (rad)", TIME, angle)
     page.set_viewport_size({"width": 390, "height": 844})
     dropped(page, path, "&lang=id")
-    assert page.locator(".recognised .notice").inner_text() == "Tabel."
+    assert page.locator(".recognised h2").inner_text() == "Tabel"
     head = page.get_by_label(texts["roleOf"].replace("{name}", "theta"))
     assert head.evaluate("e => e.selectedOptions[0].textContent") == texts["role_angle_1"]
     assert page.evaluate("() => document.documentElement.scrollWidth") <= 390

@@ -216,3 +216,18 @@ def test_what_a_page_says_about_a_table_is_checked(tmp_path, description, words)
     job = job_of(tmp_path, text_of("t (s),theta (rad)", TIME, TIME), "swing.csv")
     with pytest.raises(ll.InputError, match=words):
         done("import", job, {"columns": {"time": "1"}} | description)
+
+
+def test_fits_use_the_part_of_a_table_that_a_page_gives(angle, tmp_path):
+    broken = np.where(TIME < 6.0, angle, angle[::-1])
+    job = job_of(tmp_path, text_of("t (s),theta (rad)", TIME, broken), "swing.csv")
+    description = {"columns": {"time": "1", "angle_1": "2"}, "length": "50 cm"}
+    whole = done("import", job, description)["fits"]["decay"]
+    assert "give start and end to fit a part" in str(whole["error"])
+    # A page shows no values of such a fit.
+    assert "kept for inspection" not in str(whole["error"])
+    part = done("import", job, {**description, "end": "5.9 s"})
+    assert part["fits"]["decay"]["values"]["length"]["value"] == pytest.approx(LENGTH, rel=0.01)
+    lines, commands = part["code"]
+    assert "end=5.9" in lines
+    assert "--end 5.9" in commands

@@ -18,11 +18,12 @@ RULES = {
     "and_last": Rule("{others} and {last}"),
     "others": Rule("{count} others"),
     # of any fit
-    "withheld": Rule("No number of this fit is a result. Its values are kept for inspection."),
+    "withheld": Rule("No number of this fit is a result."),
     "withheld_whole": Rule(
-        "No number of this fit is a result. Its values are kept for inspection; give {@start} and "
-        "{@end} to fit a part that the model describes."
+        "No number of this fit is a result: give {@start} and {@end} to fit a part that the model "
+        "describes."
     ),
+    "inspected": Rule("Its values are kept for inspection."),
     "outliers": Rule("{count} outliers were left out."),
     "repeated_samples": Rule("{count} samples that repeat the one before were left out."),
     "unusual_length": Rule(
@@ -407,7 +408,7 @@ RULES = {
         "must increase strictly, above {last:g} in row {row}", "sort the rows and remove repeats"
     ),
     # why a video cannot be read; FFmpeg's own reasons are quoted in English
-    "empty_video": Rule("it is empty"),
+    "empty_video": Rule("it is empty", "choose another file"),
     "not_video": Rule("it cannot be read as a video (FFmpeg: '{fault}')"),
     "empty_container": Rule("it cannot be read as a video: it is empty"),
     "no_stream": Rule("it holds no video stream, only sound or data"),

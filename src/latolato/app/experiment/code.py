@@ -14,7 +14,11 @@ from latolato.experiment.fits.registry import Apparatus
 
 
 def python_lines(
-    name: str, choices: Import | None, kinds: Iterable[str], apparatus: Apparatus
+    name: str,
+    choices: Import | None,
+    kinds: Iterable[str],
+    apparatus: Apparatus,
+    part: Mapping[str, float],
 ) -> str:
     """Return lines of Python that read a table and print the verdicts of fits.
 
@@ -28,24 +32,31 @@ def python_lines(
         The fits.
     apparatus : Apparatus
         What the fits are given.
+    part : mapping of str to float
+        The first and the last instant that they use [s], as far as these are given.
     """
     if choices is None:
         origin = "from latolato.experiment.track_table import read_table"
         table = [f"table = read_table({name!r})"]
     else:
         origin = "from latolato.experiment.importing import import_table"
-        given = [repr(name), repr(choices.columns)]
-        given += [f"{each}={value!r}" for each, value in choices.arguments.items()]
-        table = ["table = import_table(", *(f"    {each}," for each in given), ")"]
+        read = [repr(name), repr(choices.columns)]
+        read += [f"{each}={value!r}" for each, value in choices.arguments.items()]
+        table = ["table = import_table(", *(f"    {each}," for each in read), ")"]
     verdicts = []
     for kind in kinds:
-        listed = "".join(f", {each}={value!r}" for each, value in _known(kind, apparatus).items())
+        given = {**_known(kind, apparatus), **part}
+        listed = "".join(f", {each}={value!r}" for each, value in given.items())
         verdicts.append(f"print(ll.{fits[kind].function.__name__}(table{listed}).verdict)")
     return "\n".join(["import latolato as ll", origin, "", *table, *verdicts])
 
 
 def command_lines(
-    name: str, choices: Import | None, kinds: Iterable[str], apparatus: Apparatus
+    name: str,
+    choices: Import | None,
+    kinds: Iterable[str],
+    apparatus: Apparatus,
+    part: Mapping[str, float],
 ) -> str:
     """Return commands of the shell that do the same as `python_lines`."""
     lines, table = [], name
@@ -60,7 +71,8 @@ def command_lines(
             arguments["pivot"] = ", ".join(f"{number} {unit}" for number in arguments["pivot"])
         lines.append([*words, *_options(arguments), "--output", table])
     lines += [
-        ["latolato", "fit", kind, table, *_options(_known(kind, apparatus))] for kind in kinds
+        ["latolato", "fit", kind, table, *_options({**_known(kind, apparatus), **part})]
+        for kind in kinds
     ]
     return "\n".join(map(shlex.join, lines))
 

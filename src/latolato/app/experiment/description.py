@@ -47,16 +47,20 @@ LENGTH_SIGMA = Parameter(
     quantity=Quantity("m", "", "uncertainty of the length", first_unit="mm"),
     allowed=POSITIVE,
 )
+# What fits use of a table; of a video only frames of that part are tracked.
+PART = ("start", "end")
 # What only tables need: their time may be given by frames, and their pivot by two numbers.
 TABLE_PARAMETERS = {
     name: Parameter(
-        name=name, kind=float, description=description, quantity=Quantity("1", "", label),
+        name=name, kind=float, description=description, quantity=Quantity(unit, "", label),
         allowed=allowed,
     )
-    for name, label, description, allowed in (
-        ("frame_rate", "frames per second", "frames of the camera per second", POSITIVE),
-        ("pivot_x", "x of the pivot", "in the coordinates and the unit of the file", ANY),
-        ("pivot_y", "y of the pivot", "in the coordinates and the unit of the file", ANY),
+    for name, unit, label, description, allowed in (
+        ("frame_rate", "1", "frames per second", "frames of the camera per second", POSITIVE),
+        ("pivot_x", "1", "x of the pivot", "in the coordinates and the unit of the file", ANY),
+        ("pivot_y", "1", "y of the pivot", "in the coordinates and the unit of the file", ANY),
+        ("start", "s", "fit from", "first instant of the table that fits use", ANY),
+        ("end", "s", "fit up to", "last instant of the table that fits use", ANY),
     )
 }  # fmt: skip
 # Files that are made on request.
@@ -159,6 +163,11 @@ def apparatus_of(description: Description, table: xr.Dataset) -> Apparatus:
     own = {n: table.attrs[n] for n in ("length", "length_sigma") if n in table.attrs}
     given = {n: description[n] for n in (*SHARED, "length_sigma") if n in description}
     return Apparatus(**{**own, **given})
+
+
+def part_of(description: Description) -> dict[str, Any]:
+    """Return between which instants of a table fits use it [s], as far as these are given."""
+    return {name: description[name] for name in PART if name in description}
 
 
 def quantities() -> dict[str, Parameter]:

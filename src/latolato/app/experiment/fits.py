@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.app.blocks import pack
-from latolato.app.experiment.description import Description, apparatus_of
+from latolato.app.experiment.description import Description, apparatus_of, part_of
 from latolato.app.forms import units_of
 from latolato.app.run_request import options_of
 from latolato.core.errors import InputError, joined
@@ -74,11 +74,14 @@ def fit_of(
     kind, apparatus = fits[name], apparatus_of(description, table)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", RuntimeWarning)
-        fit = kind.fit(table, apparatus)
+        fit = kind.fit(table, apparatus, **part_of(description))
         if not fit.describes:
-            return {"kind": name, "error": fit.verdict, "doubt": fit.doubt}, {}
+            return {"kind": name, "error": fit.refusal, "doubt": fit.doubt}, {}
         system = kind.system(fit, apparatus, table)
-        motion, verdict = (_predicted if kind.is_predicted else _fitted)(table, fit)
+        if kind.is_predicted:
+            motion, verdict = _predicted(table, fit, part_of(description))
+        else:
+            motion, verdict = _fitted(fit), ""
     card = card_of(fit)
     if verdict:
         card["verdict"] = joined([card["verdict"], verdict])
@@ -107,22 +110,22 @@ def start_of(times: Any, angles: Any) -> tuple[float, float]:
     return float(angles[0]), float(speed)
 
 
-def _fitted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
-    """Return the fitted curve of the angle if there is one, and nothing to add to the verdict."""
+def _fitted(fit: Fit) -> Motion:
+    """Return the fitted curve of the angle if there is one."""
     if "angle_fit" not in fit.dataset:
-        return [], ""
-    return [(fit.dataset["time"].values, fit.dataset["angle_fit"].values)], ""
+        return []
+    return [(fit.dataset["time"].values, fit.dataset["angle_fit"].values)]
 
 
-def _predicted(table: xr.Dataset, fit: Fit) -> tuple[Motion, str]:
+def _predicted(table: xr.Dataset, fit: Fit, part: dict[str, Any]) -> tuple[Motion, str]:
     """Return the motion computed from the start on and its verdict, or the curve where it fails."""
     from latolato.experiment.comparison.motion import compare_motion, verdict_of
 
     assert fit.system is not None
     try:
-        comparison = compare_motion(table, fit.system, fit.drive, draws=_DRAWS)
+        comparison = compare_motion(table, fit.system, fit.drive, draws=_DRAWS, **part)
     except InputError:
-        motion, verdict = _fitted(table, fit)
+        motion, verdict = _fitted(fit), ""
     else:
         motion = [(comparison["time"].values, comparison["angle_computed"].values)]
         verdict = verdict_of(comparison)
@@ -216,7 +219,8 @@ def trial_row(
         return None, said("no_angles")
     try:
         gravity = apparatus_of(description, table).gravity
-        row = trial_of(table, length=description.get("length"), gravity=gravity)
+        length = description.get("length")
+        row = trial_of(table, length=length, gravity=gravity, **part_of(description))
     except InputError as error:
         error.way_out = None
         return None, error.parts() or str(error)

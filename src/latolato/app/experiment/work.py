@@ -21,6 +21,7 @@ from latolato.app.experiment.description import (
     apparatus_of,
     described,
     is_table,
+    part_of,
 )
 from latolato.app.experiment.finding import answer_of, finding_of, questions_of
 from latolato.app.experiment.fits import fit_of, fits_of, longest_step, trial_row
@@ -190,7 +191,8 @@ def import_(job: Job, tell: Tell) -> Result:
     table, notes, questions = track_table_of(job, choices)
     result, models = _results(table, description, folder, None, tell, questions)
     kinds = [name for name, card in result["fits"].items() if "values" in card]
-    about = (job["name"], choices, kinds, apparatus_of(description, table))
+    apparatus = apparatus_of(description, table)
+    about = (job["name"], choices, kinds, apparatus, part_of(description))
     code = [python_lines(*about), command_lines(*about)]
     points = _bytes(pack(*_motion(table)))
     return {**result, "code": code, "warnings": notes}, {"points": points, **models}

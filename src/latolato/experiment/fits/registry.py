@@ -110,9 +110,12 @@ class FitKind:
         """What the function takes."""
         return inspect.signature(self.function).parameters
 
-    def fit(self, table: xr.Dataset, apparatus: Apparatus) -> Fit:
-        """Return the fit of a table with what is known of the apparatus and no other choice."""
-        arguments = {
+    def fit(self, table: xr.Dataset, apparatus: Apparatus, **part: float) -> Fit:
+        """Return the fit of a table, or of a part of it, with what is known of the apparatus.
+
+        `part` is the first instant used (``start``) and the last one (``end``) [s].
+        """
+        arguments = part | {
             name: value
             for name, value in vars(apparatus).items()
             if name in self.parameters and value is not None

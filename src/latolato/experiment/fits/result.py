@@ -158,7 +158,7 @@ class Fit:
     """
 
     dataset: xr.Dataset
-    # Verdict and doubt with their parts; files hold texts alone.
+    # Verdict, doubt and refusal with their parts; files hold texts alone.
     sentences: Mapping[str, str] = field(default_factory=dict, repr=False)
 
     @property
@@ -180,6 +180,11 @@ class Fit:
     def doubt(self) -> str:
         """Why the model does not describe the record, "" if it does."""
         return self.sentences.get("doubt", str(self.dataset.attrs.get("doubt", "")))
+
+    @property
+    def refusal(self) -> str:
+        """The doubt with what to do about it, for who is shown no number; "" without a doubt."""
+        return self.sentences.get("refusal", self.doubt)
 
     @property
     def estimates(self) -> dict[str, Estimate]:
@@ -311,6 +316,7 @@ def make_fit(
     import xarray as xr
 
     variables: dict[str, Any] = {}
+    refusal = ""
     for name, estimate in estimates.items():
         quantity = quantity_of(name)
         shared = {**quantity.attributes, "units": estimate.unit}
@@ -331,11 +337,12 @@ def make_fit(
         kept["system_description"] = json.dumps(systems.described(system))
     if not adequacy.describes:
         withheld = said("withheld_whole" if adequacy.is_in_record else "withheld")
-        verdict = joined([adequacy.doubt, withheld])
+        refusal = joined([adequacy.doubt, withheld])
+        verdict = joined([refusal, said("inspected")])
     elif adequacy.note:
         verdict = joined([verdict, adequacy.note])
     dataset = xr.Dataset(variables, attrs={"fit": kind, "verdict": str(verdict), **kept})
-    return Fit(dataset, {"verdict": verdict, "doubt": adequacy.doubt})
+    return Fit(dataset, {"verdict": verdict, "doubt": adequacy.doubt, "refusal": refusal})
 
 
 def named(name: str, estimate: Estimate) -> Sentence:

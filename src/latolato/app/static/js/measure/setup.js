@@ -19,7 +19,9 @@ const CAMERA = ["slow_motion", "row_time", "lens_k1", "lens_k2"];
 const SIZES = ["patch", "stick_length"];
 // What a table needs that has frames and no time, or places without a pivot.
 const PIVOT = ["pivot_x", "pivot_y"];
-const OF_TABLE = ["frame_rate", ...PIVOT];
+// What fits use of a table.
+const PART = ["start", "end"];
+const OF_TABLE = ["frame_rate", ...PIVOT, ...PART];
 const NAMES = [...FIRST, ...SIZES, ...REST, ...CAMERA, ...OF_TABLE];
 
 export class Setup {
@@ -99,13 +101,14 @@ export class Setup {
     this.rate = fieldOf("frame_rate");
     this.pivot = el("div", { class: "fields" }, el("p", { class: "hint" }, t("pivotHint")),
       ...PIVOT.map(fieldOf));
+    this.part = el("div", { class: "fields" }, ...PART.map(fieldOf));
     const camera = el("div", { class: "fields" }, this.shape.root, this.patch, this.hasStick.root,
       this.stickLength, this.hasRegion.root, ...CAMERA.map(fieldOf));
     const scale = el("p", { class: "hint" }, t("scaleHint"));
     this.sheetScale = el("p", { class: "hint" }, t("sheetScaleHint"));
     const quantities = el("div", { class: "fields", on: { change: () => this.tellWrong() } },
       this.count.root, this.rate, this.pivot, this.angleFrom.root, this.yDown.root,
-      ...FIRST.map(fieldOf), scale, this.sheetScale, this.form.general,
+      ...FIRST.map(fieldOf), scale, this.sheetScale, this.part, this.form.general,
       el("details", { class: "inner" }, el("summary", {}, t("more")),
         el("div", { class: "fields" }, camera, ...REST.map(fieldOf), this.decimal.root)));
     /** What only videos have. */
@@ -192,7 +195,7 @@ export class Setup {
     this.angleFrom.root.hidden = !open || !open.angles;
     this.yDown.root.hidden = !open || !open.heights;
     this.decimal.root.hidden = !sheet || !isSetup || sheet.isOwn;
-    this.sheetScale.hidden = !sheet;
+    this.sheetScale.hidden = this.part.hidden = !sheet;
     this.angleFrom.select.value = sheet?.angleFrom ?? "down";
     this.yDown.box.checked = sheet?.yAxis === "down";
     this.decimal.select.value = sheet?.decimal ?? "";
@@ -205,7 +208,7 @@ export class Setup {
   quantities({ sheet, shape, hasStick }) {
     const open = sheet && openOf(sheet);
     const ofVideo = [...CAMERA, ...(shape === "disc" ? [] : ["patch"]), ...(hasStick ? ["stick_length"] : [])];
-    const asked = [...FIRST, ...REST, ...(sheet ? [] : ofVideo),
+    const asked = [...FIRST, ...REST, ...(sheet ? PART : ofVideo),
       ...(open?.frames ? ["frame_rate"] : []), ...(open?.pivot ? PIVOT : [])];
     return Object.fromEntries(Object.entries(this.values).filter(([name]) => asked.includes(name)));
   }

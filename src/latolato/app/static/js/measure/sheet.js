@@ -159,8 +159,9 @@ export class SheetCard {
       : this.head(column)));
     const body = first.map((row) => el("tr", {},
       ...columns.map(({ position }) => el("td", {}, row[position - 1]))));
-    this.root.replaceChildren(el("h2", {}, t("sheet")),
-      isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : sentence("notice", sentenceInLanguage(about)),
+    this.root.replaceChildren(
+      el("h2", {}, isOwn ? t("sheet") : capitalised(sentenceInLanguage(about))),
+      isOwn ? el("p", { class: "notice" }, t("sheetOwn")) : "",
       ...notes.map((note) => sentence("hint", sentenceInLanguage(note))),
       question === null || isOwn ? "" : sentence("hint", sentenceInLanguage(question)),
       parts.length > 1 ? this.choice(sheet) : "",

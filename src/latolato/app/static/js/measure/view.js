@@ -24,8 +24,10 @@ import { panelsOf } from "./track.js";
 /** What of an example's truth somebody would have measured before, by the fields. */
 const KNOWN = { length: "centre_length", radius: "radius", mass: "mass" };
 /** What sets the parameters that have no field. */
-const CONTROLS = { start: "startHere", end: "endHere", click_frame: "pointHere", balls: "ballCount",
+const CONTROLS = { click_frame: "pointHere", balls: "ballCount",
   angle_from: "angleFrom", y_axis: "yDown", pivot: "pivot", section: "sheetPart", decimal: "decimal" };
+/** What sets the part of a video, which of a table has fields. */
+const OF_VIDEO = { start: "startHere", end: "endHere" };
 /** A link with this part clips an example and measures it. */
 const LINKED = "measure.example";
 
@@ -154,6 +156,7 @@ export class MeasureView {
 
   /** @param {Clip} clip whose set-up is shown */
   setUp(clip) {
+    if (this.setup) learnLabels(clip.sheet ? this.setup.fields : labelled(OF_VIDEO));
     this.setup?.update(clip, clip.sheet ? lackOf(clip.sheet, this.sheet?.roles ?? {}) : "");
   }
 
@@ -170,7 +173,7 @@ export class MeasureView {
       field.description = tr(field.description);
     }
     learnLabels(hello.fields);
-    learnLabels(Object.fromEntries(Object.entries(CONTROLS).map(([name, text]) => [name, { label: t(text) }])));
+    learnLabels(labelled(CONTROLS));
     const setup = new Setup(this.page, hello.fields, {
       changed: () => this.resized(),
       count: (balls) => this.counted(balls),
@@ -410,6 +413,14 @@ export class MeasureView {
     const own = Object.fromEntries(Object.entries(options).filter(([name, value]) => value !== known[name]?.default));
     openState(this.page, { view: "toy", scenario: null, options: textsOf(this.page.registry, own) });
   }
+}
+
+/**
+ * Options by name, each with the text that its control has.
+ * @param {Record<string, string>} controls names of texts
+ */
+function labelled(controls) {
+  return Object.fromEntries(Object.entries(controls).map(([name, text]) => [name, { label: t(text) }]));
 }
 
 /**
