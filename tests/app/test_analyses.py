@@ -431,6 +431,8 @@ def test_the_picture_comes_first_then_how_to_read_it_then_numbers(page, width):
     page.wait_for_selector("[data-answers]")
     places = page.evaluate(TOPS, [".picture", ".reading-of", ".numbers"])
     assert places == sorted(places)
+    room = "e => e.getBoundingClientRect().right - e.parentElement.getBoundingClientRect().right"
+    assert page.locator(".picture img").evaluate(room) <= 0
     if width == 390:  # below the form, but in view
         assert 0 <= places[0] < 844
     assert serious_faults(page) == []

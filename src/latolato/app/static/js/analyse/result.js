@@ -57,8 +57,6 @@ export class ResultCard {
     const image = el("img", { src: address, alt: t("pictureOf", { name }), width, height,
       on: { load: () => URL.revokeObjectURL(address) } });
     image.style.setProperty("--full", `${width / DOTS}rem`);
-    // On a phone it scrolls.
-    return el("div", { class: "picture", tabindex: "0", role: "region",
-      "aria-label": t("pictureOf", { name }) }, image);
+    return el("div", { class: "picture" }, image);
   }
 }
