@@ -649,3 +649,28 @@ def test_on_a_phone_what_a_file_is_stands_beside_its_button(page):
     for entry in entries:
         button, hint = (entry.locator(each).bounding_box() for each in ("button", "span"))
         assert hint["x"] >= button["x"] + button["width"]
+
+
+# How many pixels names of axes need, beside the room for them and the arrow of the select.
+NAMES = """() => [...document.querySelectorAll("details .preset select")].slice(0, 2).map(s => {
+  const context = document.createElement("canvas").getContext("2d");
+  const style = getComputedStyle(s);
+  context.font = style.font;
+  const room = s.clientWidth - parseFloat(style.paddingLeft) - parseFloat(style.paddingRight);
+  return [context.measureText(s.selectedOptions[0].text).width, room - 20];
+})"""
+
+
+@pytest.mark.parametrize("width, language", [(1366, "en"), (1366, "id"), (390, "id")])
+def test_curves_and_names_fit_their_boxes(page, width, language):
+    page.set_viewport_size({"width": width, "height": 768})
+    open_map(page, f"&map.size=8&lang={language}")
+    chart = page.locator(".preview .uplot")
+    chart.wait_for()
+    ends = "e => [e.getBoundingClientRect().right, e.parentElement.getBoundingClientRect().right]"
+    chart_end, host_end = chart.evaluate(ends)
+    assert chart_end <= host_end + 0.5
+    names = page.evaluate(NAMES)
+    assert len(names) == 2
+    for needed, room in names:
+        assert needed <= room

@@ -352,10 +352,10 @@ export class Curves {
   }
 
   resize() {
-    const width = this.root.clientWidth;
-    if (!width || !this.charts.length) return;
-    for (const { plot, panel } of this.charts) {
-      const height = heightOf(panel);
+    if (!this.root.clientWidth) return;
+    const widths = this.charts.map(({ host }) => host.clientWidth);
+    for (const [i, { plot, panel }] of this.charts.entries()) {
+      const [width, height] = [widths[i], heightOf(panel)];
       if (plot.width !== width || plot.height !== height) plot.setSize({ width, height });
     }
     this.place();
