@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import test from "node:test";
 
+import { explained } from "../../../src/latolato/app/static/js/analyse/arguments.js";
 import { envelope, isDense } from "../../../src/latolato/app/static/js/player/traces.js";
 import { Form } from "../../../src/latolato/app/static/js/page/form.js";
 import { heldOptions, withOptions } from "../../../src/latolato/app/static/js/page/option_texts.js";
@@ -88,4 +89,15 @@ test("what a run had is kept for another law unless an option says it in another
   assert.deepEqual(held({ times: "0, 1" }), { ...rest, initial_angle: "0.3", times: "0, 1" });
   assert.deepEqual(held({ frequency_ratio: "2" }),
     { mass: "2", initial_angle: "0.3", duration: "9", frequency_ratio: "2" });
+});
+
+test("an explanation repeats neither its label nor that of the field above", () => {
+  const field = (/** @type {string} */ label, /** @type {string} */ description) => /** @type {any} */ ({ label, description });
+  const fields = explained({
+    ratio: field("Driving over natural frequency", "driving over natural frequency, ω/ω₀, at least 0.01"),
+    low: field("Low", "its lowest and highest value"), high: field("High", "its lowest and highest value"),
+    length: field("Length", "length"), angle: field("Angle", "angles of both balls"),
+  });
+  const shown = Object.values(fields).map(({ isExplained, description }) => (isExplained ? description : null));
+  assert.deepEqual(shown, ["ω/ω₀, at least 0.01", "its lowest and highest value", null, null, "angles of both balls"]);
 });

@@ -67,8 +67,8 @@ export class ArgumentForm {
     const varied = about.parameters[typed[VARIED] ?? this.begun[VARIED]];
     if (varied && VARIED in options) for (const limit of LIMITS) this.begun[limit] = varied[limit];
     this.values = this.store.state.options = { ...this.begun, ...typed };
-    const shown = Object.fromEntries(Object.entries(options).map(([each, option]) =>
-      [each, this.shownAs(each, option, about, varied)]));
+    const shown = explained(Object.fromEntries(Object.entries(options).map(([each, option]) =>
+      [each, this.shownAs(each, option, about, varied)])));
     const shape = JSON.stringify([shown, first]);
     if (same && shape === this.shape) {
       this.form.read();
@@ -105,7 +105,7 @@ export class ArgumentForm {
   shownAs(name, option, about, varied) {
     const placeholder = option.default ? "" : t(option.is_from_scenario ? "fromScenario" : "automatic");
     const labels = { ...option.labels, "": t("automatic") };
-    const shown = { ...option, labels, placeholder, isExplained: true, takesRange: option.several };
+    const shown = { ...option, labels, placeholder, takesRange: option.several };
     if (option.is_in_unit_of_parameter && varied) return { ...shown, ...varied.shown };
     if (name !== VARIED) return shown;
     const { parameters } = about;
@@ -140,4 +140,22 @@ export class ArgumentForm {
     // Choices and switches have no place for one.
     return this.root.querySelector(".error:not([hidden])") !== null;
   }
+}
+
+/**
+ * Return fields with what there is to explain below them: neither their label once more, nor what the field
+ * above says already.
+ * @param {Record<string, Argument>} fields
+ * @returns {Record<string, Argument>}
+ */
+export function explained(fields) {
+  let before = "";
+  return Object.fromEntries(Object.entries(fields).map(([name, field]) => {
+    const { label, description } = field;
+    const repeats = description.toLowerCase().startsWith(label.toLowerCase()) && /^([,;]|$)/.test(description.slice(label.length));
+    const rest = repeats ? description.slice(label.length).replace(/^[,;] */, "") : description;
+    const isExplained = rest !== "" && description !== before;
+    before = description;
+    return [name, { ...field, description: isExplained ? rest : description, isExplained }];
+  }));
 }
