@@ -134,3 +134,11 @@ def test_what_is_typed_beyond_its_range_is_refused_and_the_nearest_value_offered
     assert field.input_value() == nearest.split()[0]
     assert field.get_attribute("aria-invalid") == "false"
     assert page.locator(".message").count() == 0
+
+
+@pytest.mark.parametrize(
+    "former, view", [("play", "toy"), ("live", "toy"), ("experiment", "measure")]
+)
+def test_a_view_of_an_older_version_goes_by_its_new_name(page, former, view):
+    page.goto(f"/?view={former}")
+    page.wait_for_url(f"**/?view={view}*")

@@ -270,7 +270,9 @@ if (store.state.view === "report" && registry.report) {
 if (linkParts && isReadable(location.search, registry.format)) {
   const { readable, sayLeft } = await linkParts;
   const { state, left } = readable(registry, store.state, Object.keys(VIEWS));
-  if (format(state) !== format(store.state)) store.amend(state, "preset");
+  // A view of an older version goes by its new name from now on.
+  const asked = new URLSearchParams(location.search).get("view") ?? state.view;
+  if (format(state) !== format(store.state) || asked !== state.view) store.amend(state, "preset");
   sayLeft(page, left);
 } else if (linkParts) {
   page.messages.show("link", t("newerAddress"), { stays: true });
