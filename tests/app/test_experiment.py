@@ -110,6 +110,10 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     outside.uncheck()
     assert f"column {found}," in handle.get_attribute("aria-label")
 
+    for refused in ("0", "-5", "1e300"):
+        fill(page, "pivot to ball centre", refused)
+        # Neither nothing nor a kilometre: a length that a pendulum has.
+        page.get_by_role("button", name="Take 24.5 cm", exact=True).click()
     fill(page, "pivot to ball centre", "36.3")
     fill(page, "uncertainty of the length", "0,5")
     fill(page, "radius of one ball", "wide")

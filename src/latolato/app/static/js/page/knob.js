@@ -19,6 +19,8 @@ import { besideUnit, localShort, short, shownUnit, symbolParts } from "./unit_te
 
 // A scale that ends below so many times a power of ten has a hundredth of that for a step, else a tenth.
 const COARSE = 4;
+// A limit so many times the usual value only guards against slips: nobody means it.
+const FARTHEST = 1000;
 // Ends of sliders are round numbers up to so much of a step.
 const ROUNDING = 1e-6;
 // What the browser calls the unit that was chosen last for an option.
@@ -278,7 +280,7 @@ export class Knob {
   }
 
   /**
-   * Say why what was typed is not taken, and offer the nearest value that is.
+   * Say why what was typed is not taken, and offer a value that is.
    * @param {string | null} problem null where it is beyond the limits
    * @param {number | null} value in SI units
    */
@@ -291,9 +293,22 @@ export class Knob {
     // A limit of this field alone has a sentence of its own.
     const text = isBeyond && nearest !== own ? t("outOfRange", { name: this.label, ends: endsText(ends[0], ends[1]) }) : problem;
     this.error(text);
-    if (isBeyond && this.problemWith(nearest) === null)
-      this.note.append(text?.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(nearest) } },
-        t("takeNearest", { value: this.wordsOf(nearest) })));
+    const offer = value === null ? undefined : this.offerNear(isBeyond ? nearest : null);
+    if (offer !== undefined)
+      this.note.append(text?.endsWith(".") ? " " : ". ", el("button", { type: "button", on: { click: () => this.give(offer) } },
+        t("takeNearest", { value: this.wordsOf(offer) })));
+  }
+
+  /**
+   * Return what to offer in place of a value that is refused: the limit beyond which it lies, or the usual value where
+   * that limit is none that anybody means.
+   * @param {number | null} limit
+   */
+  offerNear(limit) {
+    const { usual } = this.option;
+    const isMeant = limit !== null && !(typeof usual === "number" && Math.abs(limit) > FARTHEST * Math.abs(usual));
+    return [isMeant ? limit : null, usual].find((each) =>
+      typeof each === "number" && this.reaches(each) && this.problemWith(each) === null);
   }
 
   /** Forget what was refused. */
