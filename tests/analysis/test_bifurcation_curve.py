@@ -495,7 +495,7 @@ def test_a_curve_that_closes_is_followed_once_round(most, is_closed):
     values = np.array([each.solution.values for each in points])
     np.testing.assert_allclose(np.linalg.norm(values, axis=1), 0.5, atol=1e-9)
     turned = np.ptp(np.unwrap(np.arctan2(values[:, 1], values[:, 0])))
-    assert ends == (["closed"] * 2 if is_closed else ["points"] * 2)
+    assert ends == (["closed"] * 2 if is_closed else ["point limit"] * 2)
     assert (0.95 * math.tau < turned < 1.05 * math.tau) == is_closed
     # Both parameters turn back at no point, and one vanishes at two.
     assert [each.kind for each in specials] == ["resonance_1_1"] * (2 if is_closed else 0)

@@ -168,7 +168,15 @@ def test_every_analysis_answers_in_the_language_of_the_page(name, tmp_path, monk
     # Pages translate a sentence by its rule.
     doubts = [each.message.args[0] for each in caught if each.category is RuntimeWarning]
     assert [each for each in doubts if not isinstance(each, Sentence)] == []
-    assert load(tmp_path / "result.nc").attrs["analysis"] == name
+    result = load(tmp_path / "result.nc")
+    assert result.attrs["analysis"] == name
+    # Whether something holds is a number, which the table of numbers puts in words.
+    asked = {
+        each.dtype.kind
+        for each in result.variables.values()
+        if str(each.attrs.get("long_name")).startswith("whether ")
+    }
+    assert asked <= set("bif")
     assert len(told["lines"]) > 0
     assert not any("_" in label for label, _ in told["lines"])
     assert files["png"].tobytes().startswith(b"\x89PNG")
@@ -578,6 +586,15 @@ def test_fields_show_the_units_of_the_other_views(page):
     amplitude = page.locator(".settings").get_by_label(label_of("drive_amplitude", "m"), exact=True)
     enter(amplitude, "50")
     page.wait_for_url("**analyse.drive_amplitude=50+mm**")
+
+
+def test_questions_among_the_numbers_are_answered_in_words():
+    about = {"long_name": "whether both ways differ"}
+    for given, shown in ((1, "yes"), ([0, 1], "no, yes"), ([1] * 9 + [0, np.nan, -1],
+                         "1 no, 2 unknown, 9 yes")):  # fmt: skip
+        dims = "ratio" if isinstance(given, list) else ()
+        found = xr.Dataset({"differ": (dims, np.array(given), about)}, attrs={"analysis": "none"})
+        assert ("Whether both ways differ", shown) in numbers_of(found)
 
 
 def test_numbers_of_an_answer_are_told_without_names_of_variables():

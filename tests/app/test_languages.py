@@ -63,11 +63,11 @@ RESULTS = (
     "mathieu", "meets flip", "meets fold", "neutral", "never stable", "no answer", "no hysteresis",
     "no impacts", "no motion", "no subharmonic", "no upper branch", "no upper edge",
     "no upper limit", "none passed", "not exponential", "not found", "not reached", "not settled",
-    "out of reach", "outside model", "passed", "pendulum", "period doubling", "periodic", "points",
-    "push", "reached from rest", "regular", "release", "resonance 1:1", "resonance 1:2", "rest",
-    "rest ends", "right", "self-start", "singular", "slack", "slack onset", "slackens", "stable",
-    "symmetry breaking", "taut", "top", "torus", "transient", "undecided", "unresolved", "unstable",
-    "up", "valid", "without value",
+    "out of reach", "outside model", "passed", "pendulum", "period doubling", "periodic",
+    "point limit", "push", "reached from rest", "regular", "release", "resonance 1:1",
+    "resonance 1:2", "rest", "rest ends", "right", "self-start", "singular", "slack", "slack onset",
+    "slackens", "stable", "symmetry breaking", "taut", "top", "torus", "transient", "undecided",
+    "unresolved", "unstable", "up", "valid", "without value", "yes", "no", "unknown",
 )  # fmt: skip
 # Quantities that analyses return, and what their code calls others by parts.
 RETURNED = (

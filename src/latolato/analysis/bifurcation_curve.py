@@ -149,8 +149,8 @@ def bifurcation_curve(
         multiplier of one or minus one) or ``degenerate`` (a touch that does not bend away).
         Over ``end`` the ``end_reason`` of both ends: ``end of range``, ``closed``,
         ``merges`` (the motions become the more symmetric one from which they split), ``grazing``,
-        ``touches_twice``, ``slackens``, ``points`` (more would follow), ``interrupted`` or ``lost``
-        (no smaller step helps). ``status``: ``complete``, ``closed``, ``interrupted``,
+        ``touches_twice``, ``slackens``, ``point limit`` (more would follow), ``interrupted`` or
+        ``lost`` (no smaller step helps). ``status``: ``complete``, ``closed``, ``interrupted``,
         ``not found`` (no such bifurcation is near) or ``singular`` (two are, at one point).
 
     Raises
@@ -399,12 +399,12 @@ def _both_ways(
     after, specials, reason = curve.follow(first, 1.0, points // 2, on_point)
     if reason in ("closed", "interrupted"):
         return [first, *after], specials, [reason, reason]
-    goal = after[-1] if after and reason == "points" else None
+    goal = after[-1] if after and reason == "point limit" else None
     before, others, other = curve.follow(first, -1.0, points - 1 - len(after), on_point, goal)
     if other == "closed":
         return [*before[::-1], first, *after], [*others[::-1], *specials], [other, other]
     left = points - 1 - len(after) - len(before)
-    if reason == "points" and left > 0 and after and other != "interrupted":
+    if reason == "point limit" and left > 0 and after and other != "interrupted":
         more, found, reason = curve.follow(after[-1], 1.0, left, on_point)
         after, specials = after + more, specials + found
     return [*before[::-1], first, *after], [*others[::-1], *specials], [other, reason]

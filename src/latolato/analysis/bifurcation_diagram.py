@@ -177,7 +177,7 @@ def bifurcation_diagram(
         | {
             parameter: about.quantity,
             "direction": Quantity("1", "", "way along the parameter"),
-            "is_hysteretic": Quantity("1", "", "both ways differ (1), not (0)"),
+            "is_hysteretic": Quantity("1", "", "whether both ways differ"),
         },
     )
 

@@ -122,8 +122,8 @@ def continue_orbit(
         ``special_initial_angular_velocity`` (of two balls each with ``_right`` and ``_left``);
         ``special[0]`` holds all of them of the first point,
         for `bifurcation_curve`. ``guess_distance`` is that of the first orbit, as in `floquet`.
-        ``status``: ``end of range``, ``points`` (more would follow), ``closed`` (the branch is a
-        loop, or runs into itself), ``slackens`` (it ends there: slack balls move differently),
+        ``status``: ``end of range``, ``point limit`` (more would follow), ``closed`` (the branch is
+        a loop, or runs into itself), ``slackens`` (it ends there: slack balls move differently),
         ``lost`` (it ends here, or its steps became too short) or ``not found``.
 
     Raises
@@ -289,7 +289,7 @@ def _follow(
             if len(places) > 10 and np.linalg.norm(gap / branch.scale) < 0.5 * length:
                 return "closed"
         places[-1] = branch.rescaled(new, branch.scale[:-1])
-    return "points"
+    return "point limit"
 
 
 def _grazes(places: list[Place], specials: list[tuple[str, Place]]) -> bool:

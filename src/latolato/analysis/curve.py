@@ -203,7 +203,7 @@ class Curve:
             returns = len(points) > 10 and _meets(new, begun, length) > 0.5
             if returns or (goal is not None and _meets(new, goal, length) < -0.5):
                 return "closed"
-        return "points"
+        return "point limit"
 
     def _resized(self, point: CurvePoint) -> CurvePoint:
         """Return a point in units that become those of the condition: the size of its motion."""

@@ -39,7 +39,6 @@ _QUANTITIES = {
     "mean_first_passage_time_high": Quantity("s", r"\tau_+", "upper end of its 95 % interval"),
     "passage_fraction": Quantity("1", "p", "fraction that passes within the duration"),
     "passage_fraction_error": Quantity("1", r"\Delta p", "its standard error"),
-    "status": Quantity("1", "", "whether the mean is known"),
 }
 
 

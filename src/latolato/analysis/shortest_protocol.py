@@ -59,7 +59,6 @@ _QUANTITIES = {
     ),
     "angle_from_rest": Quantity("rad", r"\theta_-", "settled angle from rest at the target"),
     "upper_angle": Quantity("rad", r"\theta_+", "settled angle on the upper branch"),
-    "status": Quantity("1", "", "whether a protocol was found"),
 }
 
 

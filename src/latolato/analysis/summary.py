@@ -59,6 +59,9 @@ def _text_of(variable: xr.DataArray) -> str:
     import numpy as np
 
     values, unit = variable.values, str(variable.attrs.get("units", "1"))
+    if str(variable.attrs.get("long_name")).startswith("whether ") and values.dtype.kind in "bif":
+        # Numbers answer such a question for programs only.
+        values = np.select([values == 1, values == 0], ["yes", "no"], "unknown")
     tail = "" if unit == "1" else f" {unit}"
     if values.size == 0:
         return tr("none")

@@ -54,7 +54,7 @@ LOCKED, DRIFTING, BROAD = "locked", "drifting", "broad"
 
 _QUANTITIES = {
     "order_parameter": Quantity(
-        "rad", "Z", r"mean of (-1)^n angle(nT) over periods and trajectories"
+        "rad", "Z", "mean angle once per drive period, with alternating sign"
     ),
     "order_parameter_size": Quantity("rad", "|Z|", "mean of its size over trajectories"),
     "order_parameter_best": Quantity(
