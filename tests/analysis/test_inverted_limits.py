@@ -71,7 +71,7 @@ def test_no_limit_is_told():
 
 
 def test_systems_without_an_upright_position_are_refused():
-    with pytest.raises(ValueError, match="balls that stand upright"):
+    with pytest.raises(ValueError, match="touch before they stand upright: choose"):
         limits(ll.LatoLato(length=1.0, mass=0.8, radius=0.1), 10.0)
     with pytest.raises(ValueError, match="has no inverted position"):
         limits(ll.Mathieu(length=1.0, mass=0.8), 10.0)

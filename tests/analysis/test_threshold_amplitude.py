@@ -66,7 +66,9 @@ def test_bad_input_is_refused():
         threshold(PAPER, frequency_ratio=1e-3)
     with pytest.raises(ValueError, match="order must lie in"):
         threshold(PAPER, order=0)
-    with pytest.raises(ValueError, match="balls that hang straight down"):
+    with pytest.raises(
+        ValueError, match="balls with a radius touch before they hang straight down"
+    ):
         threshold(ll.LatoLato(length=1.0, mass=0.8, radius=0.1))
 
 

@@ -161,10 +161,12 @@ def test_balls_without_radius_that_bounce_elastically_are_like_one_pendulum():
 def test_what_has_no_linear_stability_is_refused():
     ball = ll.Ball(length=1.0, mass=0.8, radius=0.1)
     refused = {
-        r"must be 0 for balls that hang straight down.*choose the system Pendulum": ll.LatoLato(
+        r"must be 0, got .* touch before they hang straight down: choose": ll.LatoLato(
             length=1.0, mass=0.8, radius=0.1
         ),
-        "radius must be 0 for balls that hang": ll.BallPair(right=ball, left=ball),
+        "radius must be 0, got 0.1; balls with a radius touch before they hang": ll.BallPair(
+            right=ball, left=ball
+        ),
         "restitution must be 1, got 0.9": ll.LatoLato(
             length=1.0, mass=0.8, radius=0.0, restitution=0.9
         ),

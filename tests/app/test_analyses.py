@@ -503,10 +503,10 @@ def test_a_refusal_stands_beside_its_field_in_the_words_of_the_page(page):
         ("lang=id&scenario=fig02&analyse.what=impact_map&analyse.ask=1",
          "Peta tumbukan membutuhkan dinding, dan Bandul tidak punya; pakai Lato-lato"),
         ("lang=id&scenario=fig04a&analyse.what=growth_rate&analyse.ask=1&restitution=0.9",
-         "harus 0 untuk bola yang menggantung lurus ke bawah"),
+         "bola yang punya jari-jari bersentuhan sebelum menggantung lurus ke bawah"),
         ("lang=en&scenario=toy&analyse.what=growth_rate&analyse.ask=1",
-         "touch before, got 18 mm; choose the system Pendulum, which has no walls, with the "
-         "length, mass and damping of one ball"),
+         "must be 0, got 18 mm; balls with a radius touch before they hang straight down: choose "
+         "the system Pendulum, which has no walls, with the length, mass and damping of one ball"),
         ("lang=en&scenario=kapitza&analyse.what=self_start&analyse.ask=1",
          "or “Threshold amplitude” for growth from hanging"),
         ("lang=en&analyse.what=first_push&analyse.frequency_ratio= &analyse.ask=1",

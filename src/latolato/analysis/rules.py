@@ -51,10 +51,10 @@ RULES = {
         "question: simulate with a push instead",
     ),
     "hanging_points": Rule(
-        "must be 0 for balls that hang straight down: others touch before", _NO_WALLS
+        "must be 0", f"balls with a radius touch before they hang straight down: {_NO_WALLS}"
     ),
     "upright_points": Rule(
-        "must be 0 for balls that stand upright: others touch before", _NO_WALLS
+        "must be 0", f"balls with a radius touch before they stand upright: {_NO_WALLS}"
     ),
     "lossless_balls": Rule(
         "must be 1",
