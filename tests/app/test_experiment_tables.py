@@ -74,7 +74,7 @@ def test_an_export_of_tracker_with_two_tracks_needs_no_click_but_the_pivot(page,
         }""",
         [path.read_text("utf-8"), path.name],
     )
-    page.get_by_text("Tracker export, 2 tracks: right ball, left ball.").wait_for()
+    page.get_by_text("Tracker export, 2 tracks: right ball, left ball").wait_for()
     page.locator("[data-state=setup]").wait_for()
     heads = page.locator(".recognised th select:visible")
     chosen = heads.evaluate_all("all => all.map((each) => each.selectedOptions[0].textContent)")
