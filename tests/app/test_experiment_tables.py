@@ -111,7 +111,7 @@ def test_a_recording_of_phyphox_gives_the_angle_of_its_gyroscope(page, run, tmp_
     rate = run.angular_velocity.values + noise(len(TIME), seed=2) + 0.02
     path = written(tmp_path / "phone.csv", head, TIME, noise(len(TIME), seed=3), rate)
     dropped(page, path)
-    page.get_by_text("Phyphox export.", exact=False).wait_for()
+    page.get_by_text("Phyphox export", exact=False).wait_for()
     # By the keyboard alone.
     role = page.get_by_label("what Gyroscope y is")
     role.focus()

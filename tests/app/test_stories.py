@@ -66,11 +66,11 @@ TRIED = {
 # and what is typed.
 BY_HAND = {
     "first_clack": [
-        ("knobAmplitude", "4 cm"), ("knobAmplitude", "0"), ("knobAmplitude", "4 cm"),
-        ("knobRestitution", "0.85"), ("knobAmplitude", "7 cm"),
+        ("knobAmplitude", "40"), ("knobAmplitude", "0"), ("knobAmplitude", "40"),
+        ("knobRestitution", "0.85"), ("knobAmplitude", "70"),
     ],
     "why_twice": [
-        ("mass of one ball", "1.6 kg"), ("timesNatural", "2"), ("timesNatural", "1.95"),
+        ("mass of one ball", "1600"), ("timesNatural", "2"), ("timesNatural", "1.95"),
         ("initial angle", "0.0005 rad"), ("knobDamping", "0"), ("map", ""),
     ],
     "high_then_low": [

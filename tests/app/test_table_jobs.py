@@ -93,7 +93,31 @@ def test_a_track_table_in_degrees_is_asked_about_too(tmp_path, angle):
         track_table({"time": TIME, "angle_1": np.degrees(angle)}), tmp_path / "a.csv"
     )
     about = done("import", job_of(tmp_path, path.read_text("utf-8"), "a.csv"), {})
-    assert about["finding"][0].endswith("is it in degrees, and the unit in the file wrong?")
+    assert about["finding"][0].endswith("is it in degrees, and its unit wrong?")
+
+
+@pytest.mark.parametrize(
+    "part, match",
+    [
+        ({"start": "12 s", "end": "2 s"}, "start must not lie after end, which is 2 s, got 12"),
+        ({"start": "2500 s"}, "no sample lies between start and end: the table goes from 0 to"),
+    ],
+)
+def test_a_part_that_is_none_of_the_table_is_refused(tmp_path, angle, part, match):
+    job = job_of(tmp_path, text_of("t (s),angle (rad)", TIME, angle), "swing.csv")
+    with pytest.raises(ll.InputError, match=match):
+        done("import", job, {"columns": {"time": "1", "angle_1": "2"}, **part})
+
+
+def test_what_is_said_of_a_table_is_about_the_part_that_is_used(tmp_path, angle):
+    middle = float(TIME.mean())
+    faster = np.where(middle > TIME, angle, 0.1 * np.cos(12.0 * TIME))
+    job = job_of(tmp_path, text_of("t (s),angle (rad)", TIME, faster), "swing.csv")
+    about = done(
+        "import", job, {"columns": {"time": "1", "angle_1": "2"}, "start": f"{middle + 1.0} s"}
+    )
+    [period] = [each["value"] for each in about["answer"] if each["name"].endswith("period")]
+    assert period == pytest.approx(2.0 * np.pi / 12.0, rel=1e-3)
 
 
 def test_a_table_of_times_alone_is_refused(tmp_path):

@@ -301,7 +301,7 @@ def test_degrees_that_a_table_calls_radians_are_asked_for(degrees, duration, dam
     run = ll.simulate(system, initial_angle=math.radians(degrees), times=times)
     fit = ll.fit_decay(table_of(times, np.round(np.degrees(run.angle.values), digits)), **QUICK)
     assert fit.doubt.startswith("It swings as a pendulum does at ")
-    assert "rad: are the angles in degrees, and the unit in the table wrong?" in fit.doubt
+    assert "rad: are the angles in degrees, and their unit wrong?" in fit.doubt
 
 
 @pytest.mark.parametrize("angle", [2.0, math.radians(2.0)])

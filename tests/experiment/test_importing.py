@@ -127,7 +127,7 @@ def test_degrees_below_radians_are_asked_for_and_stay_as_they_are(tmp_path):
     table = import_table(path, questions=questions)
     assert questions == [
         "angle_1 swings to and fro by 29.6 rad, which is more than half a turn: is it in "
-        "degrees, and the unit in the file wrong?"
+        "degrees, and its unit wrong?"
     ]
     assert questions[0] in table.attrs["assumed"]
     # Steps of more than half a turn are no jumps of a turn here.
@@ -310,7 +310,7 @@ def test_places_that_stand_for_a_lost_ball_are_no_measurements(tmp_path, mark):
     rows = lines(TIME, u, v).split("\n")
     rows[6] = rows[6].split(",")[0] + "," + mark
     path = written(tmp_path, "t [s],x [px],y [px]\n" + "\n".join(rows))
-    with pytest.raises(ll.InputError, match=r"line 8 of column 'x' holds -?\d, which is far"):
+    with pytest.raises(ll.InputError, match=r"line 8 of column 'x' holds .?\d, which is far"):
         import_table(path, pivot=(320.0, 75.0), y_axis="down")
     # The middle of a swing may be there.
     path = written(tmp_path, "t [s],x [m],y [m]\n0,-0.1,0.01\n1,0,0\n2,0.1,0.01\n3,0.2,0.04\n")

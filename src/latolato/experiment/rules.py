@@ -130,11 +130,11 @@ RULES = {
     ),
     "seems_swing_in_radians": Rule(
         "It swings as a pendulum does at {size:.3g} rad, not at {size:.3g}°: are the angles in "
-        "radians, and the unit in the table wrong?"
+        "radians, and their unit wrong?"
     ),
     "seems_swing_in_degrees": Rule(
         "It swings as a pendulum does at {size:.3g}°, not at {size:.3g} rad: are the angles in "
-        "degrees, and the unit in the table wrong? If not, it is no pendulum."
+        "degrees, and their unit wrong? If not, it is no pendulum."
     ),
     "other_drag": Rule("its drag is not {law} but rather {other}: use law 'best'{growth}"),
     "grows_at": Rule("; the swing grows by {rate:.3g} 1/s"),
@@ -299,7 +299,7 @@ RULES = {
     "shifted_turns": Rule("{column} is shifted by {count} whole turns"),
     "seems_degrees": Rule(
         "{column} swings to and fro by {size:.3g} rad, which is more than half a turn: is it in "
-        "degrees, and the unit in the file wrong?"
+        "degrees, and its unit wrong?"
     ),
     "stated_above": Rule(
         "{column} is above the pivot in most rows: is it counted from the x axis "
@@ -441,6 +441,11 @@ RULES = {
     "falling_stamp": Rule(
         "time stamps must increase, but frame {number} is at {time:.6g} s after {last:.6g} s",
         "write the frames again, e.g. with ffmpeg -i VIDEO -crf 16 NEW.mp4",
+    ),
+    "part_ends_first": Rule("must not lie after {@end}, which is {end:.6g} s"),
+    "empty_part": Rule(
+        "no sample lies between {@start} and {@end}: the table goes from {first:.6g} to {last:.6g} "
+        "s"
     ),
     "no_frame_between": Rule("no frame lies between start ({start} s) and end ({end} s)"),
     "start_after_end": Rule("must lie before the end of the video at {time:.6g} s"),

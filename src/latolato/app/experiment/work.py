@@ -31,6 +31,7 @@ from latolato.app.worker import Result
 from latolato.core.errors import InputError, Sentence, reading
 from latolato.experiment.calibration.lens import Optics
 from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.fits.samples import within
 from latolato.experiment.importing import is_track_file
 from latolato.experiment.quality import circle_distances, flag_shares, typical_sigma
 from latolato.experiment.rules import said
@@ -213,18 +214,24 @@ def _results(
 ) -> Result:
     """Write a track table in place of an older one; return what it and the usual fits say.
 
-    `questions` are those that its import leaves.
+    `questions` are those that its import leaves. What is said is about the part that fits use.
+
+    Raises
+    ------
+    InputError
+        If that part is none of the table.
     """
+    said_of = table.isel(frame=within(table["time"].values, **part_of(description)))
     for old in EXPORTS:
         (folder / old).unlink(missing_ok=True)
     write_table(table, folder / TABLE)
     tell("fitting", 0.0)
     trial, why = trial_row(table, description)
     cards, models = fits_of(table, description, size)
-    asked = [*questions, *questions_of(table, cards)]
+    asked = [*questions, *questions_of(said_of, cards)]
     result = {
-        "finding": finding_of(table, cards, trial, asked),
-        "answer": answer_of(table, cards, trial, apparatus_of(description, table), asked),
+        "finding": finding_of(said_of, cards, trial, asked),
+        "answer": answer_of(said_of, cards, trial, apparatus_of(description, table), asked),
         "fits": cards,
         "trial": trial,
         "no_trial": why,

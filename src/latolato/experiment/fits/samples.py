@@ -116,18 +116,17 @@ def is_mirrored(table: xr.Dataset, system: System, ball: int | None) -> bool:
     return ball is None and isinstance(system, LatoLato) and balls_of(table) == 2
 
 
-def within(time: Floats, start: float | None, end: float | None) -> NDArray[np.bool_]:
+def within(time: Floats, start: float | None = None, end: float | None = None) -> NDArray[np.bool_]:
     """Return which instants lie between `start` and `end`, where given."""
+    if start is not None and end is not None and start > end:
+        raise broken("part_ends_first", {"end": end}, parameter="start", value=start)
     chosen = np.ones(len(time), dtype=bool)
     if start is not None:
         chosen &= time >= start
     if end is not None:
         chosen &= time <= end
     if not chosen.any():
-        raise InputError(
-            f"no sample lies between start and end: the table goes from {time[0]:g} to "
-            f"{time[-1]:g} s"
-        )
+        raise broken("empty_part", {"first": float(time[0]), "last": float(time[-1])})
     return chosen
 
 

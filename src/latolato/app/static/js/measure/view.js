@@ -173,7 +173,7 @@ export class MeasureView {
       field.description = tr(field.description);
     }
     learnLabels(hello.fields);
-    learnLabels(labelled(CONTROLS));
+    learnLabels(labelled({ ...CONTROLS, ...OF_VIDEO }));
     const setup = new Setup(this.page, hello.fields, {
       changed: () => this.resized(),
       count: (balls) => this.counted(balls),
