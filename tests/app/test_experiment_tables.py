@@ -221,7 +221,7 @@ def test_a_question_about_units_stands_before_the_numbers(page, angle, tmp_path,
     page.set_viewport_size({"width": width, "height": 844})
     texts = json.loads((STATIC / "languages" / f"{language}.json").read_text("utf-8"))["strings"]
     for scale, unit, words in (
-        (1.0, 180.0 / np.pi, "file wrong?" if language == "en" else "berkas salah?"),
+        (1.0, 180.0 / np.pi, "unit wrong?" if language == "en" else "satuannya salah?"),
         (1e3, 1.0, "milliseconds?" if language == "en" else "milisekon?"),
     ):
         path = written(tmp_path / "swing.csv", "t (s),angle (rad)", scale * TIME, unit * angle)

@@ -608,7 +608,7 @@ def test_leaving_a_story_keeps_what_is_on_show(page):
     page.goto(address("first_clack", 2))
     page.get_by_role("button", name="Leave the story").click()
     page.wait_for_url(lambda url: "story" not in url)
-    assert parse_qs(urlsplit(page.url).query)["drive_amplitude"] == ["2 cm"]
+    assert parse_qs(urlsplit(page.url).query)["drive_amplitude"] == ["20 mm"]
     assert not page.get_by_role("complementary", name="Story").is_visible()
 
 
