@@ -669,6 +669,23 @@ def test_guesses_of_the_tongue_are_scored(page):
     assert found == pytest.approx(score.value, rel=1e-6)
 
 
+def test_a_refused_guess_is_seen_on_a_phone(page):
+    page.set_viewport_size(SIZES[1])
+    page.goto("/?story.name=guess_tongue&lang=id")
+    check = page.get_by_role("button", name="Nilai tebakanku")
+    check.click()
+    for guess in range(2):
+        field = page.locator(".story .knob").nth(guess)
+        entry, error = field.locator("input"), field.get_by_role("alert")
+        assert entry.evaluate("(each) => each === document.activeElement")
+        top = page.locator(".story-body").bounding_box()["y"]
+        bottom = check.bounding_box()["y"]
+        for box in (entry.bounding_box(), error.bounding_box()):
+            assert top <= box["y"] <= box["y"] + box["height"] <= bottom
+        entry.fill("10")
+        check.click()
+
+
 @pytest.mark.parametrize(
     "place, theme",
     [

@@ -51,7 +51,12 @@ export class Challenge {
       event.preventDefault();
       for (const knob of this.guesses) knob.type();
       const wrong = this.guesses.find((knob) => knob.isRefused);
-      if (wrong) return wrong.input.focus();
+      if (wrong) {
+        wrong.input.focus();
+        // Its error lies below the field.
+        wrong.root.scrollIntoView({ block: "nearest" });
+        return;
+      }
       const guess = this.guesses.map((knob) => knob.textOf(Number(knob.value))).join(", ");
       this.panel.page.store.keep(GUESS, guess);
       this.result.scrollIntoView({ block: "nearest" });
