@@ -237,3 +237,14 @@ def test_an_element_speaks_the_language_around_it(visit):
     refused = visit.evaluate(SET, [0, {"scenario": "fig02", "length": "-1"}])
     assert refused["error"].startswith("length harus berada dalam (0, inf) m, tetapi diberikan -1")
     assert visit.get_by_role("button", name="Putar", exact=True).count() == 1
+
+
+@pytest.mark.parametrize("languages, play", [(("en", "id"), "Play"), (("id", "en"), "Putar")])
+def test_all_elements_of_a_page_speak_the_language_of_the_first(visit, languages, play):
+    refused = [
+        visit.evaluate(SET, [which, {"scenario": "fig02", "length": "-1", "lang": language}])
+        for which, language in enumerate(languages)
+    ]
+    assert refused[0] == refused[1]
+    names = visit.locator("latolato-player button.play").all_inner_texts()
+    assert names == [play, play]

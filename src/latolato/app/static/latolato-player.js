@@ -5,8 +5,8 @@
  *     <latolato-player scenario="fig04a_push" duration="20 s"></latolato-player>
  *
  * Its attributes are the options of the command line, with dashes, and `scenario`; the run is computed
- * again when one changes. A ball that is dragged changes those of the start. It speaks the language that `lang` names, on itself or around it; a page
- * whose elements ask for several gets the first that is not English. It sends no message and asks no other site for anything.
+ * again when one changes. A ball that is dragged changes those of the start. All elements of a page speak the language that `lang` names
+ * on the first of them or around it, English if none does. It sends no message and asks no other site for anything.
  *
  * @module
  */
@@ -21,6 +21,9 @@ import { ENGLISH } from "./js/strings.js";
 // Attributes of all elements, which are no options.
 const OF_ELEMENTS = /^(id|class|style|slot|title|lang|dir|hidden|tabindex|role|part|data-.*|aria-.*)$/;
 
+/** The language of the page is set once: texts on show stay as they are. @type {Promise<void> | null} */
+let language = null;
+
 class LatolatoPlayer extends HTMLElement {
   constructor() {
     super();
@@ -32,7 +35,8 @@ class LatolatoPlayer extends HTMLElement {
   }
 
   async connectedCallback() {
-    await this.speak().catch((error) => console.warn(error));
+    language ??= this.speak().catch((error) => console.warn(error));
+    await language;
     if (!this.isConnected || this.inset) return;
     this.inset = new EmbeddedPlayer(this);
     this.inset.player.start.enable((degrees) => this.startAt(degrees));
