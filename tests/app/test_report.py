@@ -156,6 +156,23 @@ def test_the_report_opens_in_indonesian_and_stays_so(browser, address):
     context.close()
 
 
+def test_links_of_the_indonesian_report_open_the_pages_in_indonesian(browser, address):
+    context = new_context(browser)
+    page = context.new_page()
+    page.goto(f"{address}report/index.html#id-top")
+    page.locator("details").evaluate_all("all => all.forEach((each) => { each.open = true; })")
+    ways = page.locator('a[href^="../"]').filter(visible=True)
+    addresses = ways.evaluate_all("all => all.map((each) => each.getAttribute('href'))")
+    assert len(addresses) > 5
+    assert all(each.endswith("lang=id") for each in addresses)
+    page.get_by_role("link", name="Buka di Peta: ").first.wait_for()
+    page.get_by_role("link", name="Buka di Mainan: Resonance at 6 rad/s").click()
+    page.wait_for_selector("[data-runs]")
+    assert "scenario=fig03a" in page.url
+    assert page.evaluate("() => document.documentElement.lang") == "id"
+    context.close()
+
+
 @pytest.mark.parametrize(
     "figure, name, ready, wanted",
     [

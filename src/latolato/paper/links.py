@@ -33,10 +33,11 @@ _MOST_PARTS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """A link from the report: its words, its address, and what it leads to."""
+    """A link from the report: its words, its address, what it does and what it leads to."""
 
     text: str
     address: str
+    action: str = ""
     description: str = ""
 
 
@@ -55,6 +56,17 @@ def _presets_by_figure() -> dict[str, list[str]]:
     return result
 
 
+def in_language(address: str, code: str) -> str:
+    """Return the address at which the pages speak a language; English is left to their reader.
+
+    Examples
+    --------
+    >>> in_language("../", "id"), in_language("../?view=toy", "id"), in_language("../", "en")
+    ('../?lang=id', '../?view=toy&lang=id', '../')
+    """
+    return address if code == "en" else f"{address}{'&' if '?' in address else '?'}lang={code}"
+
+
 def presets_of(figure: str) -> list[str]:
     """Return the names of the shipped scenarios that belong to a figure.
 
@@ -71,8 +83,9 @@ def links_to_presets(figure: str) -> list[Link]:
     known = {name: scenarios()[name] for name in presets_of(figure)}
     return [
         Link(
-            text=f"Open in {'Map' if scenario.varied else 'Toy'}: {scenario.title}",
+            text=scenario.title,
             address=PAGES + address_of_preset(name, is_map=bool(scenario.varied)),
+            action="Open in Map" if scenario.varied else "Open in Toy",
             description=scenario.description,
         )
         for name, scenario in known.items()

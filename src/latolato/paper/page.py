@@ -24,8 +24,15 @@ from latolato.core.versions import version_of
 from latolato.figures.style import pretty_unit
 from latolato.paper.catalogue import title_of
 from latolato.paper.claim import Claim, Verdict
-from latolato.paper.links import flat_scenarios, links_to_maps, links_to_presets, links_to_runs
-from latolato.paper.page_words import CLAIMS_NOTE, ENGLISH_PARTS, link, words
+from latolato.paper.links import (
+    PAGES,
+    flat_scenarios,
+    in_language,
+    links_to_maps,
+    links_to_presets,
+    links_to_runs,
+)
+from latolato.paper.page_words import CLAIMS_NOTE, ENGLISH_PARTS, link, word_in, words
 from latolato.paper.powers import rewritten_powers
 from latolato.report.templates import environment
 
@@ -78,6 +85,8 @@ def render(
         "kind": _CLASSES.__getitem__,
         "words": partial(words, set_text=typeset),
         "link": lambda text, target: link(target, text, typeset),
+        "word_in": word_in,
+        "in_language": in_language,
     }
     claims = [claim for part in parts for claim in part.claims]
     judged = {claim.name for claim in claims}
@@ -85,6 +94,7 @@ def render(
     versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
     return pages.get_template("report.html").render(
         version=version_of(),
+        pages=PAGES,
         title=typeset(about.TITLE),
         about=about,
         meta=f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}.",

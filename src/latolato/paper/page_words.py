@@ -52,6 +52,8 @@ INDONESIAN = {
     "Checked:": "Diperiksa:",
     "Claims:": "Pernyataan:",
     "none": "tidak ada",
+    "Open in Toy": "Buka di Mainan",
+    "Open in Map": "Buka di Peta",
     "Runs behind it": "Simulasi di baliknya",
     "Sweeps behind it": "Pemindaian di baliknya",
     "open in Toy": "buka di Mainan",
@@ -117,6 +119,13 @@ def words(text: str, set_text: Callable[[str], str]) -> Markup:
     return Markup(
         f'<span class="en">{set_text(text)}</span>'
         f'<span class="id" lang="id">{set_text(INDONESIAN[text])}</span>'
+    )
+
+
+def word_in(text: str, code: str) -> Markup:
+    """Return a text for a part of the page that is on show in one language alone."""
+    return Markup('<span lang="{}">{}</span>').format(
+        code, text if code == "en" else INDONESIAN[text]
     )
 
 
