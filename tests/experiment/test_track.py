@@ -12,6 +12,7 @@ from latolato.experiment.overlay import places_of
 from latolato.experiment.sidecar import Setup, read_sidecar, sidecar_path, write_sidecar
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
+from latolato.experiment.task import prepare
 from latolato.experiment.track_table import read_table
 from latolato.experiment.tracking.learn import learn_image_model
 from latolato.experiment.tracking.propose import propose
@@ -225,6 +226,19 @@ def test_striped_balls_about_an_unmarked_driven_pivot_are_found_whole(model, tmp
         off = (table[name].values - truth[name].values[table.frame.values])[ok]
         assert ok.mean() > 0.9
         assert np.sqrt(np.mean(off**2)) < 3e-3
+
+
+def test_a_pivot_that_is_clicked_is_believed_though_balls_are_found(swing, tmp_path):
+    for pivot in (None, swing.pivot):
+        setup = prepare(swing.path, pivot, None, {}).setup
+        assert setup.is_proposed
+        assert setup.is_pivot_found == (pivot is None)
+        write_sidecar(setup, swing.path, tmp_path / "setup.toml")
+        assert read_sidecar(tmp_path / "setup.toml", swing.path).is_pivot_found == (pivot is None)
+    with pytest.warns(RuntimeWarning):
+        found, clicked = (ll.track(swing.path, pivot=each) for each in (None, swing.pivot))
+    sigmas = [each.attrs["pivot_offset_y_sigma"] for each in (found, clicked)]
+    assert sigmas[1] < sigmas[0]
 
 
 def test_a_proposal_is_drawn(swing, tmp_path, capsys):

@@ -2,6 +2,7 @@
 
 import json
 import warnings
+from types import SimpleNamespace
 
 import av
 import numpy as np
@@ -14,6 +15,7 @@ from latolato.experiment.calibration.circle import doubt_about, unseen_circle
 from latolato.experiment.calibration.lens import Optics, distorted
 from latolato.experiment.calibration.orbit import drive_of
 from latolato.experiment.encode import TICKS, write_video
+from latolato.experiment.follow import _settle_drive
 from latolato.experiment.overlay import place_of, places_of
 from latolato.experiment.sidecar import sidecar_path
 from latolato.experiment.synthetic.scene import Camera, Scene
@@ -92,6 +94,20 @@ def test_an_arm_that_stretches_is_no_pivot_that_moves():
     assert drive_of(TIMES, (pivot + (150.0 + more) * rod + noise)[:, None], pivot) is None
     driven = drive_of(TIMES, (pivot + 150.0 * rod + more * [0.0, 1.0] + noise)[:, None], pivot)
     assert driven.amplitude == pytest.approx(5.0, abs=0.1)
+
+
+def test_a_drive_that_is_elsewhere_by_the_measured_paths_is_refused():
+    angle, pivot = 0.9 * np.cos(5.2 * TIMES), np.array([160.0, 20.0])
+    places = pivot + 150.0 * np.stack([np.sin(angle), np.cos(angle)], axis=-1)
+    places[:, 1] += 5.0 * np.cos(9.0 * TIMES + 1.0)
+    rough = drive_of(TIMES, places[:, None], pivot)
+    seen = Positions.unknown(TIMES, 1, 10.0)
+    seen.flags[:] = "ok"
+    seen.centres[:, 0] = places + np.array([40.0, 0.0])
+    video, setup = SimpleNamespace(width=320, height=240), SimpleNamespace(optics=Optics())
+    task = SimpleNamespace(video=video, setup=setup, warnings=[])
+    with pytest.raises(InputError, match=r"driven at \(160, \d+\), or at \(200, \d+\); point at"):
+        _settle_drive(task, None, seen, rough, np.zeros(2))
 
 
 @pytest.mark.parametrize("count", [0, 5])

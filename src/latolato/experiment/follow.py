@@ -55,6 +55,9 @@ _TILTED = 0.1
 # Distance from where a pivot was pointed at that is no accident [standard deviations]: 95 % of
 # clicks are nearer.
 _ELSEWHERE = 2.5
+# Share of the arm by which a pivot that nothing shows may be elsewhere by the measured paths of
+# balls than by their rough ones: two about pivots of their own may move as if about a driven one.
+_UNCLEAR = 0.1
 # By which factor the distances of two balls from one pivot differ whose arms are different.
 _OTHER_ARM = 1.15
 
@@ -262,6 +265,9 @@ def _settle_drive(
     is_clean = seen.flags == "ok"
     clean = undistorted(np.where(is_clean[..., None], seen.centres, np.nan), size, optics)
     driven = drive_of(seen.times, clean, rough.pivots(seen.times).mean(axis=0)) or rough
+    if float(np.hypot(*(driven.centre - rough.centre))) > _UNCLEAR * rough.arm:
+        centres = {"one": place_text(rough.centre), "other": place_text(driven.centre)}
+        raise broken("unclear_drive", centres)
     pivots = driven.pivots(seen.times)
     away = clean - pivots[:, None]
     off = np.linalg.norm(away, axis=-1) - driven.arm
@@ -417,7 +423,7 @@ def _calibrated(
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
-    click = math.hypot(CLICK, UNCLICKED * scene.arm) if setup.is_proposed else CLICK
+    click = math.hypot(CLICK, UNCLICKED * scene.arm) if setup.is_pivot_found else CLICK
     measured = calibrate(seen, size, video.rotation, setup.optics, circle, click)
     if isinstance(video.steadier, Steadier):
         places = video.steadier.deviations(len(seen.times))

@@ -815,6 +815,11 @@ RULES = {
         "the pivot seems to move outside the picture, by {pixels} pixels at {rate:.2g} Hz, or at a "
         "frequency that looks the same in {frames:.3g} frames a second"
     ),
+    "unclear_drive": Rule(
+        "the paths of the balls do not tell where the pivot is: as if it were driven at {one}, or "
+        "at {other}",
+        "point at the pivot, or at both if each ball has its own",
+    ),
     "unseen_drive": Rule(
         "nothing in the picture shows how the pivot at {place} moves: the paths of the balls tell "
         "that it does, up and down by {pixels} pixels at {rate:.3g} Hz, or at a frequency that "

@@ -34,7 +34,7 @@ _TABLES = {
     "look": tuple(one.name for one in LOOK),
     "geometry": (
         "pivot", "pivot_2", "own_pivots", "balls", "corrections", "length", "radius", "stick",
-        "stick_length", "gravity", "proposed",
+        "stick_length", "gravity", "proposed", "pivot_found",
     ),
     "camera": ("slow_motion", *(one.name for one in fields(Optics))),
     "limits": tuple(one.name for one in fields(Limits)),
@@ -89,7 +89,9 @@ class Setup:
         Number in the file of a frame, ball from 1 on, column and row of the ball's centre there
         [pixels], as set by hand.
     is_proposed : bool
-        Whether pivot and balls were found in the video instead of pointed at.
+        Whether anything of pivot and balls was found in the video instead of pointed at.
+    is_pivot_found : bool
+        Whether the pivot was.
 
     Raises
     ------
@@ -115,6 +117,7 @@ class Setup:
     limits: Limits = field(default_factory=Limits)
     corrections: tuple[Correction, ...] = ()
     is_proposed: bool = False
+    is_pivot_found: bool = False
     pivot_2: Place | None = None
     has_own_pivots: bool = False
 
@@ -172,6 +175,7 @@ def write_sidecar(setup: Setup, video: str | Path, path: str | Path) -> Path:
         "own_pivots": setup.has_own_pivots or None,
         "corrections": setup.corrections or None,
         "proposed": setup.is_proposed,
+        "pivot_found": setup.is_pivot_found or None,
     }
     head = {"video": Path(video).name, "sha256": digest_of(video), "latolato": version_of()}
     lines = [
@@ -250,6 +254,7 @@ def _setup(tables: Mapping[str, Any]) -> Setup:
         balls=values.pop("balls", ()),
         has_own_pivots=bool(values.pop("own_pivots", False)),
         is_proposed=bool(values.pop("proposed", False)),
+        is_pivot_found=bool(values.pop("pivot_found", False)),
         optics=popped(Optics),
         limits=popped(Limits),
         **values,

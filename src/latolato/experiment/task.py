@@ -117,6 +117,7 @@ def prepare(
             pivot_1, pivot_2 = pivots
         setup = replace(
             setup, pivot=pivot_1, pivot_2=pivot_2, balls=proposal.balls, is_proposed=True,
+            is_pivot_found=pivot is None,
             has_own_pivots=bool(own) or proposal.has_own_pivots,
             click_frame=proposal.click_frame if clicks is None else setup.click_frame,
         )  # fmt: skip

@@ -13,9 +13,10 @@ from latolato.experiment.rules import said
 
 # Arc above which a path that is no circle shows [rad].
 WIDE_ARC = math.radians(60.0)
-# Errors of a click and of distances on the whole [pixels], and of a pivot that nobody clicked, as a
-# share of the arm.
-CLICK, UNROUND, UNCLICKED = 1.0, 0.15, 0.02
+# Errors of a click and of distances on the whole [pixels].
+CLICK, UNROUND = 1.0, 0.15
+# Error of the place of a pivot that nobody clicked, or that moves unseen, as a share of the arm.
+UNCLICKED = 0.02
 # Error of the pivot against the ball that all frames share, from shading and edges, the least one
 # of the distances that changes along the arc, and the distance beyond which one is a mistake of the
 # tracker [pixels].

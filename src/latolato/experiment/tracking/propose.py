@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
@@ -38,8 +37,9 @@ _MOVERS, _ENOUGH = 4, 120
 _FEWEST, _SEEN, _TRAVELS = 12, 0.2, 1.0
 # By which factors leaps cost more than usual: balls move on steadily, but at few frames a second.
 _DEAR = 6.0, 1.0
-# How much better a ball two parts must be together, if they are one with a stripe: it is twice as
-# large at least. In which share of the frames there are two parts.
+# How much better a ball two parts must be together, if they are one with a stripe: synthetic ones
+# are 2.3 to 4 times as good, balls without one 1.0 to 1.2. In which share of the frames there are
+# two parts: 0.26 and more of those with a stripe, 0.05 and less of two balls side by side.
 _WHOLE, _PARTS = 1.5, 0.15
 # Share of its whole way that a ball goes without a leap; what goes less consists of several things.
 _ALL_WAY = 0.35
@@ -121,12 +121,13 @@ def propose(
 
     Notes
     -----
-    What differs from the background is linked through all frames; balls are what goes far and
-    smoothly on a circle. That is fitted together with one harmonic of the pivot; if the residual is
-    too large, the pivot is followed in the picture from the circle's centre, and both are repeated
-    until they agree. Where no circle shows the pivot, or strings meet elsewhere, it is where these
-    meet. It can miss: balls of the wall's colour or that swing by less than their radius, and,
-    without strings, arcs of less than about 20 degrees.
+    What differs from the background is linked through all frames, in parts and with parts joined;
+    balls are what goes far and smoothly on a circle. That is fitted together with one harmonic of
+    the pivot; if the residual is too large, the pivot is followed in the picture, from where
+    strings meet or from the circle's centre, and both are repeated until they agree. If that is no
+    better, the first circle stays. Where no circle shows the pivot, or strings meet elsewhere, it
+    is where these meet. It can miss: balls of the wall's colour or that swing by less than their
+    radius, and, without strings, arcs of less than about 20 degrees.
     """
     known = None if pivot is None or isinstance(pivot, str) else np.array(pivot, float)
     lens = optics or Optics()
@@ -157,6 +158,7 @@ def propose(
         has_own_pivots=len(pivots) > 1,
         balls=tuple(_rounded(starts[b]) for b in order),
         is_proposed=True,
+        is_pivot_found=pivot is None,
         click_frame=video.first_frame + sample.click,
     )
     return setup, float(np.median([track.radius for track in tracks])), sample
@@ -179,16 +181,17 @@ def _swinging(
     # A stripe is no wider than its ball, which is as wide as a part of it is long.
     wholes = detect(sample.copies, stripe=length_of_clear(blobs))
     whole = _scored(wholes, sample, pivot)
-    if _best(whole)[0] > _WHOLE * _best(scored)[0]:
-        with suppress(InputError):  # that the wholes are too few is no reason to refuse
-            tracks = _chosen(wholes, whole, sample, count, pivot)
-            seen = np.all([track.is_seen for track in tracks], axis=0)
-            shown = seen.copy()
-            for frame in np.flatnonzero(seen).tolist():
-                places = [track.places[frame] for track in tracks]
-                shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
-            if shown.sum() > _PARTS * seen.sum():  # two balls side by side are not one
-                return tracks, shown
+    likely, _, first = _best(whole)
+    if likely > _WHOLE * _best(scored)[0] and first is not None and not first.is_rod:
+        tracks = _chosen(wholes, whole, sample, 1 if count == 1 else None, pivot)
+        seen = np.all([track.is_seen for track in tracks], axis=0)
+        shown = seen.copy()
+        for frame in np.flatnonzero(seen).tolist():
+            places = [track.places[frame] for track in tracks]
+            shown[frame] = math.isfinite(radius_of_parts(blobs[frame], places))
+        # Two balls that are one for being side by side show parts in few frames.
+        if len(tracks) >= (count or 1) and shown.sum() > _PARTS * seen.sum():
+            return tracks, shown
     tracks = _chosen(blobs, scored, sample, count, pivot)
     return tracks, np.all([track.is_seen for track in tracks], axis=0)
 
@@ -225,10 +228,8 @@ def _chosen(
     """
     best, off, first = _best(scored)
     if first is None or not best > 0.0:
-        is_rough = any(
-            one.is_seen.mean() > _SEEN and one.roughness > _ROUGHEST for _, _, one in scored
-        )
-        reason = ": what moves leaps from one frame to the next" if is_rough else ""
+        leaps = any(_leaps(track) for _, _, track in scored)
+        reason = ": what moves leaps from one frame to the next" if leaps else ""
         raise InputError(f"no moving ball was found{reason}", way_out="point at pivot and ball")
     if first.is_rod:
         raise broken("long_and_thin")
@@ -248,6 +249,14 @@ def _chosen(
             "only one moving ball was found, not two", way_out="point at pivot and both balls"
         )
     return [first] if second is None or count == 1 else [first, second[1]]
+
+
+def _leaps(track: Trajectory) -> bool:
+    """Return whether something is seen often and goes on by more than its radius, but roughly."""
+    if track.is_seen.mean() < _SEEN or track.roughness < _ROUGHEST:
+        return False
+    ways = np.linalg.norm(np.diff(track.places, axis=0), axis=1)
+    return bool(np.nanmedian(ways) > track.radius)
 
 
 def _may_swing(scored: _Scored, first: float) -> bool:
@@ -353,7 +362,12 @@ def _pivots(
     rests = all(centre is not None for centre in centres)
     orbit = own[0] if rests else _common_circle(video, sample, flat, radius, meeting)
     # Strings from a pivot that is driven meet in no one place.
-    is_driven = not rests and orbit is not None and _is_round(orbit)
+    is_driven = (
+        not rests
+        and orbit is not None
+        and _is_round(orbit)
+        and _seen(video, distorted(orbit.centre, size, lens)) is not None
+    )
     if len(tracks) == 2 and not is_driven:
         both = zip(meetings, centres, strict=True)
         each = [centre if meeting is None else meeting for meeting, centre in both]
