@@ -260,6 +260,11 @@ def _settle_drive(
     where rods are steep enough to tell. What is not known of both joins the deviations, and so does
     how far it is `apart` (2,) from where it was pointed at, if that is no accident [pixels]: lenses
     and oblique views move the centre of the circle, and bend the path less than noise does.
+
+    Raises
+    ------
+    InputError
+        If the measured paths put the pivot elsewhere than the rough ones.
     """
     size, optics = (task.video.width, task.video.height), task.setup.optics
     is_clean = seen.flags == "ok"
