@@ -154,6 +154,7 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         description = {
             "pivot": seen["proposal"]["pivot"], "balls": seen["proposal"]["balls"],
             "length": "36.3 cm", "radius": "25 mm", "mass": "100 g", "is_proposed": True,
+            "is_pivot_found": True,
         }  # fmt: skip
         answer = page.do(do="track", clip=clip, description=description)
         done = answer["done"]
@@ -174,7 +175,9 @@ def test_a_video_is_looked_at_tracked_fitted_and_gone_with_its_page(clip):
         kept.write_bytes(table)
         np.testing.assert_allclose(points["angle"][0], read_table(kept)["angle_1"], atol=1e-6)
         assert read_table(kept).attrs["source"] == "my swing.mp4"
-        assert 'video = "my swing.mp4"' in page.file(clip, "setup.toml").text
+        setup = page.file(clip, "setup.toml").text
+        assert 'video = "my swing.mp4"' in setup
+        assert "pivot_found = true" in setup
         _, ghost = unpack(answer["model"].tobytes())
         away = np.hypot(*(ghost["centre"] - points["centre"]))
         assert np.nanmax(away) < 0.5  # pixels
@@ -202,7 +205,7 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
     places = [
         [truth.attrs[f"{name}_pixel_{axis}"] for axis in "uv"] for name in ("pivot", "ball_1")
     ]
-    description = {"pivot": places[0], "balls": places[1:]}
+    description = {"pivot": places[0], "balls": places[1:], "is_proposed": True}
     job = {
         "path": str(path), "folder": str(tmp_path), "name": "tiny.mp4", "description": description,
     }  # fmt: skip
@@ -211,6 +214,7 @@ def test_without_a_length_angles_are_known_and_a_model_fitted(clip, tmp_path):
     done, arrays = WORK["track"](job, lambda stage, share: stages.append((stage, share)))
     assert [stage for stage, _ in stages][-1] == "fitting"
     assert max(share for stage, share in stages if stage == "tracking") == 1.0
+    assert "pivot_found" not in (tmp_path / "setup.toml").read_text("utf-8")  # only the ball was
     about, points = unpack(arrays["points"].tobytes())
     assert about["attributes"]["geometry"] == "angles"
     assert "length is unknown" in " ".join(map(english, done["warnings"]))
@@ -392,6 +396,7 @@ def test_the_free_swing_that_the_computer_films_is_measured_in_every_frame():
         description = {
             "pivot": proposal["pivot"], "balls": proposal["balls"], "length": "36.3 cm",
             "radius": "20 mm", "mass": "108 g", "is_proposed": True,
+            "is_pivot_found": True,
         }  # fmt: skip
         done = page.do(do="track", clip=made["clip"], description=description)["done"]
         assert "repeat" not in str(done)

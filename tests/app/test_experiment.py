@@ -104,6 +104,15 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     page.get_by_role("button", name="As found").click()
     assert f"column {found}," in handle.get_attribute("aria-label")
 
+    # Somebody may confirm a handle where it is.
+    question = page.get_by_text("Found automatically. Is it right?")
+    assert question.is_visible()
+    handle.press("Enter")
+    assert f"column {found}," in handle.get_attribute("aria-label")
+    assert not question.is_visible()
+    page.get_by_role("button", name="As found").click()
+    assert question.is_visible()
+
     outside = page.get_by_label("the pivot is outside the picture")
     outside.check()
     assert page.locator(".handle.pivot").count() == 0

@@ -321,7 +321,7 @@ def _numbers(table: xr.Dataset) -> list[tuple[str, str]]:
     if clock := clock_text(attrs):
         rows.append(("slow motion", clock))
     if attrs.get("proposed"):
-        rows.append(("pivot and balls", "found in the video; nobody pointed at them"))
+        rows.append(("pivot and balls", "found in the video where nobody pointed at them"))
     return rows
 
 

@@ -3,6 +3,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { isAsFound, pivotAndBalls } from "../../../src/latolato/app/static/js/measure/session.js";
 import { ClipClock } from "../../../src/latolato/app/static/js/measure/video_clock.js";
 import { clockText } from "../../../src/latolato/app/static/js/measure/setup.js";
 import { panelsOf, Track } from "../../../src/latolato/app/static/js/measure/track.js";
@@ -90,6 +91,23 @@ test("the clock asks for the middle of a frame and tells the one on show", () =>
   video.seeking = false;
   video.dispatchEvent(new Event("seeked"));
   assert.ok(video.currentTime > 0.1 && video.currentTime < 0.3);
+});
+
+test("a pivot or ball that nobody touched stays found", () => {
+  const proposed = { pivot: { u: 5, v: 1 }, ball_1: { u: 7, v: 9 } };
+  const clip = { about: { proposal: { click_frame: 4 } }, clickFrame: 4, isPivotOutside: false,
+    places: { ...proposed, stick_1: { u: 0, v: 0 } }, pointed: new Set(), proposed };
+  const found = { pivot: [5, 1], balls: [[7, 9]], is_pivot_found: true, is_proposed: true };
+  assert.deepEqual([pivotAndBalls(clip), isAsFound(clip)], [found, true]);
+  assert.equal(isAsFound({ ...clip, clickFrame: 5 }), false);
+  clip.pointed.add("ball_1");
+  assert.deepEqual([pivotAndBalls(clip), isAsFound(clip)], [found, false]);
+  clip.pointed.add("pivot");
+  assert.deepEqual(pivotAndBalls(clip), { ...found, is_pivot_found: false, is_proposed: false });
+  clip.places.ball_2 = { u: 1, v: 2 };
+  clip.isPivotOutside = true;
+  assert.deepEqual(pivotAndBalls(clip), { pivot: "outside", balls: [[7, 9], [1, 2]], is_pivot_found: false,
+    is_proposed: true });
 });
 
 test("what a file says of slow motion is told, and nothing of one at life's pace", () => {

@@ -119,6 +119,7 @@ _CHECKS: dict[str, Callable[[Any], Any]] = {
     "pivot": _pivot,
     "balls": _balls,
     "is_proposed": bool,
+    "is_pivot_found": bool,
     "stick": checked_stick,
     "region": checked_region,
     "shape": VIDEO_PARAMETERS["shape"].checked,

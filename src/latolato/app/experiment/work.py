@@ -169,8 +169,8 @@ def track(job: Job, tell: Tell) -> Result:
     settings = {**known, "optics": Optics(**optics)}
     task = prepare(path, description.get("pivot"), description["balls"], settings)
     task.warnings.clear()
-    is_proposed = description.get("is_proposed", False)
-    task.setup = replace(task.setup, is_proposed=is_proposed, is_pivot_found=is_proposed)
+    found = {name: description.get(name, False) for name in ("is_proposed", "is_pivot_found")}
+    task.setup = replace(task.setup, **found)
     table = run(task, lambda share: tell("tracking", share))
     table.attrs["source"] = job["name"]
     folder = Path(job["folder"])

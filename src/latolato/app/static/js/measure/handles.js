@@ -19,10 +19,12 @@ export class Handles {
   /**
    * @param {Screen} screen
    * @param {(name: string) => void} changed called when something was moved by hand
+   * @param {(name: string) => void} confirmed called when something was clicked on
    */
-  constructor(screen, changed) {
+  constructor(screen, changed, confirmed) {
     this.screen = screen;
     this.changed = changed;
+    this.confirmed = confirmed;
     /** @type {Record<string, HandlePlace>} */
     this.places = {};
     /** Radius of a ball by what was said, over the length. */
@@ -61,6 +63,7 @@ export class Handles {
       const button = el("button", { type: "button", class: `handle ${name}`, on: {
         keydown: (/** @type {KeyboardEvent} */ e) => this.key(name, e),
         pointerdown: (/** @type {PointerEvent} */ e) => this.drag(name, e),
+        click: () => this.confirmed(name),
         focus: () => this.look(name),
         blur: () => { this.loupe.hidden = true; },
       } });

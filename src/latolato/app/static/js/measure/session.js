@@ -34,7 +34,9 @@ function newClip(id, name, file) {
     /** What somebody chose. */
     decimal: "", clickFrame: 0, first: /** @type {number | null} */ (null),
     last: /** @type {number | null} */ (null), hasRegion: false, hasStick: false, shape: "disc",
-    isPivotOutside: false, isProposed: true, places: /** @type {Record<string, HandlePlace>} */ ({}),
+    isPivotOutside: false, places: /** @type {Record<string, HandlePlace>} */ ({}),
+    /** Which of pivot and balls somebody moved or confirmed; the others are where they were found. */
+    pointed: /** @type {Set<string>} */ (new Set()),
     corrections: /** @type {{frame: number, ball: number, u: number, v: number}[]} */ ([]),
     /** What came of it. */
     mode: /** @type {"setup" | "result"} */ ("setup"), tracked: 0, track: /** @type {Track | null} */ (null),
@@ -307,6 +309,28 @@ export class Session {
  */
 export function isSeen({ about, sheet }) {
   return about !== null || sheet !== null;
+}
+
+/**
+ * Return whether pivot and balls are those that were found.
+ * @param {Clip} clip
+ */
+export function isAsFound({ about, clickFrame, places, pointed, proposed }) {
+  return pointed.size === 0 && clickFrame === (about?.proposal?.click_frame ?? 0)
+    && ("ball_2" in places) === ("ball_2" in proposed);
+}
+
+/**
+ * Return where pivot and balls are, and whether they were found instead of pointed at.
+ * @param {Clip} clip
+ */
+export function pivotAndBalls({ isPivotOutside, places, pointed }) {
+  const { pivot, ...others } = places;
+  const balls = ["ball_1", "ball_2"].filter((name) => name in others);
+  const pair = (/** @type {HandlePlace} */ { u, v }) => [u, v];
+  const isFound = !isPivotOutside && !pointed.has("pivot");
+  return { pivot: isPivotOutside ? "outside" : pair(pivot), balls: balls.map((name) => pair(others[name])),
+    is_pivot_found: isFound, is_proposed: isFound || balls.some((name) => !pointed.has(name)) };
 }
 
 /**

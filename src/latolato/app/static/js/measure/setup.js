@@ -9,7 +9,7 @@ import { short } from "../page/unit_text.js";
 import { withLabels } from "../page/option_labels.js";
 import { warningsText } from "../page/refusals.js";
 import { t } from "../strings.js";
-import { isSeen } from "./session.js";
+import { isAsFound, isSeen } from "./session.js";
 import { openOf } from "./sheet.js";
 
 const FIRST = ["length", "length_sigma", "radius", "mass"];
@@ -156,10 +156,11 @@ export class Setup {
     this.hint.textContent = sheet ? lack : `${t("setupHint")} ${t(`circle_${clip.shape}`)}`;
     this.again.hidden = isSetup;
     this.back.hidden = !isSetup || !clip.track;
-    this.reset.hidden = !isSetup || clip.isProposed || !clip.hasPivot;
+    const isFound = isAsFound(clip);
+    this.reset.hidden = !isSetup || isFound || !clip.hasPivot;
     this.notice.textContent = t(clip.hasPivot ? "setupFound"
       : clip.hasBalls ? "setupNoPivot" : "setupNotFound");
-    this.notice.hidden = !isSetup || !clip.isProposed || clip.isPivotOutside || sheet !== null;
+    this.notice.hidden = !isSetup || !isFound || clip.isPivotOutside || sheet !== null;
     this.outside.root.hidden = !isSetup || sheet !== null;
     for (const part of this.ofVideo) part.hidden = sheet !== null;
     this.showSheet(sheet, isSetup);

@@ -27,7 +27,6 @@ export class Tools {
       } } }, t(name));
     this.point = button("pointHere", (clip) => {
       clip.clickFrame = on.frame();
-      clip.isProposed = false;
     });
     this.first = button("startHere", (clip) => {
       clip.first = on.frame();

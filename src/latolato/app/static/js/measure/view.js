@@ -12,7 +12,7 @@ import { answerNumbers, clipList, codeCard, dropCard, exportsCard, guideCard } f
 import { Handles } from "./handles.js";
 import { fitCard, refusedCard, trialTable, waitingCard } from "./results.js";
 import { Screen } from "./screen.js";
-import { isSeen, Session } from "./session.js";
+import { isSeen, pivotAndBalls, Session } from "./session.js";
 import { Setup } from "./setup.js";
 import { choicesOf, chosen, lackOf, SheetCard } from "./sheet.js";
 import { handlesOf, Tools, toolsOf } from "./tools.js";
@@ -36,7 +36,8 @@ export class MeasureView {
   constructor(page) {
     this.page = page;
     this.screen = new Screen();
-    this.handles = new Handles(this.screen, (name) => this.corrected(name));
+    this.handles = new Handles(this.screen, (name) => this.corrected(name),
+      (name) => this.confirmed(name));
     this.tools = new Tools({ frame: () => this.screen.frame,
       go: (frame) => this.screen.goTo(frame),
       changed: () => this.update(), track: () => this.tracked() });
@@ -287,11 +288,7 @@ export class MeasureView {
   description(/** @type {Clip} */ clip) {
     const quantities = this.setup?.quantities(clip);
     if (clip.sheet) return { ...quantities, ...choicesOf(clip.sheet) };
-    const { pivot, ball_1, ball_2 } = clip.places;
-    const pair = (/** @type {import("./handles.js").HandlePlace} */ p) => [p.u, p.v];
-    return { ...quantities, ...toolsOf(clip), is_proposed: clip.isProposed,
-      pivot: clip.isPivotOutside ? "outside" : pair(pivot),
-      balls: [ball_1, ball_2].filter(Boolean).map(pair) };
+    return { ...quantities, ...toolsOf(clip), ...pivotAndBalls(clip) };
   }
 
   tracked() {
@@ -326,7 +323,17 @@ export class MeasureView {
       return;
     }
     clip.places = { ...clip.places, [name]: place };
-    if (name === "pivot" || name.startsWith("ball")) clip.isProposed = false;
+    this.confirmed(name);
+  }
+
+  /**
+   * Take a handle as somebody left it: the place of a pivot or a ball is then no longer a finding.
+   * @param {string} name
+   */
+  confirmed(name) {
+    const { clip } = this.session;
+    if (!clip || clip.mode === "result") return;
+    if (name === "pivot" || name.startsWith("ball")) clip.pointed.add(name);
     this.setUp(clip);
   }
 
@@ -355,7 +362,7 @@ export class MeasureView {
     if (!clip) return;
     const { ball_2: _, ...places } = clip.places;
     const clickFrame = clip.about?.proposal?.click_frame ?? 0;
-    this.changed({ places: { ...places, ...clip.proposed }, isProposed: true,
+    this.changed({ places: { ...places, ...clip.proposed }, pointed: new Set(),
       isPivotOutside: false, clickFrame });
     this.screen.goTo(clickFrame);
   }
@@ -365,10 +372,11 @@ export class MeasureView {
     const { clip } = this.session;
     if (!clip?.about) return;
     const { ball_2: second, ...places } = clip.places;
+    if (balls === 1) clip.pointed.delete("ball_2");
     const { pivot, ball_1 } = places;
     if (balls === 2) places.ball_2 = second ?? clip.proposed.ball_2
       ?? { u: Math.max(0, 2 * pivot.u - ball_1.u), v: ball_1.v };
-    this.changed({ places, isProposed: false });
+    this.changed({ places });
   }
 
   /** @param {Partial<Clip>} change of the set-up of the clip on show */
