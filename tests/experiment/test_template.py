@@ -138,7 +138,7 @@ def learned(contrast):
 
 def test_a_patch_that_looks_like_the_wall_behind_it_is_refused():
     assert learned(40).radius == pytest.approx(5.5, abs=1.0)  # half of the square
-    with pytest.raises(InputError, match="the patch around the click looks like its surroundings"):
+    with pytest.raises(InputError, match="the patch around the middle of the bob looks like its"):
         learned(0)
 
 

@@ -501,13 +501,14 @@ RULES = {
         "the balls are {one} and {other} pixels from their pivots: one length cannot fit both",
         "leave out the length here, and give it in the fit of each ball",
     ),
-    # what is seen where the user pointed
+    # what is seen where a ball was taken to be
     "small_disc": Rule(
         "no ball with a rim was found at {place}",
         "point at the middle of the ball, or give its radius and length",
     ),
     "like_surroundings": Rule(
-        "what was pointed at looks like its surroundings", "point at the middle of the ball"
+        "what was taken for the ball looks like its surroundings",
+        "point at the middle of the ball",
     ),
     "found_once": Rule(
         "no ball like the one at {place} was found in other frames",
@@ -519,7 +520,7 @@ RULES = {
         "point at the middle of a ball that the picture shows as a whole",
     ),
     "plain_patch": Rule(
-        "the patch around the click looks like its surroundings",
+        "the patch around the middle of the bob looks like its surroundings",
         "point at the bob, or make the patch larger",
     ),
     "patch_found_once": Rule(
@@ -775,7 +776,7 @@ RULES = {
     ),
     "other_centre": Rule(
         "the ball moves as well on a circle about {place}, {pixels} pixels from where the pivot "
-        "was taken to be: if the pivot is there, point at it again; the deviations contain both"
+        "was taken to be: if the pivot is there, point at it; the deviations contain both"
     ),
     "unknown_gravity": Rule(
         "the direction of gravity cannot be found (the clip shows neither the axis of a drive nor "
@@ -836,8 +837,8 @@ RULES = {
     "no_period": Rule("no period: fewer than three swings were seen"),
     "off_centre": Rule(
         "the ball does not move on a circle about the pivot (centre off by {offset} pixels, "
-        "residual {residual} pixels): lens, perspective or rolling shutter; the pivot is used as "
-        "clicked"
+        "residual {residual} pixels): lens, perspective or rolling shutter; the pivot stays where "
+        "it was taken to be"
     ),
     "swaying_pivot": Rule(
         "the ball's distance from the pivot varies by {varies} pixels, more than its scatter: the "
@@ -866,7 +867,7 @@ RULES = {
         "what was followed moves by {leap} of its diameters between frames, so it may not be the "
         "ball"
     ),
-    "hidden_ball": Rule("there the ball is partly hidden, or what was pointed at is not the ball"),
+    "hidden_ball": Rule("there the ball is partly hidden, or what was followed is not the ball"),
     "nothing_near": Rule("nothing else like the ball is near where it is expected"),
     "nothing_on_circle": Rule(
         "elsewhere nothing like the ball lies on its circle about the pivot, so the pivot is "
