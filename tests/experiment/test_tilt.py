@@ -104,6 +104,17 @@ def test_tilt_and_its_axis_are_found(tilt, axis):
     assert found.flat(np.array([0.0, 10.0]))[0] == pytest.approx(0.0)  # down stays down
 
 
+def test_a_tilt_about_a_pivot_that_was_found_is_seen_but_known_less_well():
+    clicked, found = (fit_tilt(*_places(0.2, 0.0, 1.1), SIZE, sigma) for sigma in (1.0, 6.0))
+    assert abs(found.angle - 0.2) < found.sigma
+    assert found.sigma > 1.5 * clicked.sigma
+    places, pivots = _places(0.4, 0.0, 1.2)
+    pivots[:, 1] += 6.0
+    clicked, found = (fit_tilt(places, pivots, SIZE, sigma) for sigma in (1.0, 6.0))
+    assert abs(found.angle - 0.4) < found.sigma
+    assert abs(clicked.angle - 0.4) > 3.0 * clicked.sigma  # so far off is no click
+
+
 def test_a_pivot_that_is_off_is_no_tilt():
     # The ball swings about a hinge half way down, to 9 degrees as seen from the pivot pointed at.
     places, pivots = _places(0.0, 0.0, 0.3)

@@ -11,7 +11,7 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence, joined
 from latolato.experiment.calibration.calibrate import Calibration, calibrate, unsmeared
 from latolato.experiment.calibration.circle import Circle, doubt_about, unseen_circle
-from latolato.experiment.calibration.hinge import CLICK, UNCLICKED
+from latolato.experiment.calibration.hinge import CLICK_SIGMA, sigma_of_pivot
 from latolato.experiment.calibration.lens import distorted, undistorted
 from latolato.experiment.calibration.orbit import DrivenCircle, drive_of, rate_values
 from latolato.experiment.calibration.pace import pace_warnings
@@ -52,8 +52,8 @@ _PATTERN, _UNEXPLAINED = 0.05, 0.1
 _LEARNED = 0.2
 # Doubt about a pivot's height by the distances of balls: of rods at 72 degrees half is believed.
 _TILTED = 0.1
-# Distance from where a pivot was pointed at that is no accident [standard deviations]: 95 % of
-# clicks are nearer.
+# Distance from where a pivot was taken to be that is no accident [standard deviations of a click]:
+# 95 % of clicks are nearer.
 _ELSEWHERE = 2.5
 # Share of the arm by which a pivot that nothing shows may be elsewhere by the measured paths of
 # balls than by their rough ones: two about pivots of their own may move as if about a driven one.
@@ -258,8 +258,8 @@ def _settle_drive(
 
     What its one harmonic leaves of the distances is taken as the pivot's height in that frame,
     where rods are steep enough to tell. What is not known of both joins the deviations, and so does
-    how far it is `apart` (2,) from where it was pointed at, if that is no accident [pixels]: lenses
-    and oblique views move the centre of the circle, and bend the path less than noise does.
+    how far it is `apart` (2,) from where it was taken to be [pixels], if that is no accident:
+    lenses and oblique views move the centre of the circle, and bend the path less than noise does.
 
     Raises
     ------
@@ -289,7 +289,7 @@ def _settle_drive(
     values = {"place": place, "pixels": pixels, **rate_values(driven.frequency, seen.times)}
     task.warnings.append(said("unseen_drive", **values))
     distance = float(np.hypot(*apart))
-    if distance > _ELSEWHERE * CLICK:
+    if distance > _ELSEWHERE * CLICK_SIGMA:
         turned = (away[..., 1] * apart[0] - away[..., 0] * apart[1]) / np.linalg.norm(away, axis=-1)
         scene.unsure = np.hypot(scene.unsure, np.where(np.isnan(turned), distance, turned))
         where = place_text(np.asarray(task.setup.pivot) + apart)
@@ -428,8 +428,10 @@ def _calibrated(
     if not scene.pivot.is_still:
         seen.pivots = unsmeared(seen.times, seen.pivots, scene.look.exposure * sample.interval)
     size = video.width, video.height
-    click = math.hypot(CLICK, UNCLICKED * scene.arm) if setup.is_pivot_found else CLICK
-    measured = calibrate(seen, size, video.rotation, setup.optics, circle, click)
+    sigma = sigma_of_pivot(scene.arm, is_clicked=not setup.is_pivot_found)
+    measured = calibrate(
+        seen, size, rotation=video.rotation, optics=setup.optics, circle=circle, pivot_sigma=sigma
+    )
     if isinstance(video.steadier, Steadier):
         places = video.steadier.deviations(len(seen.times))
         measured.sigmas = np.hypot(measured.sigmas, places[:, None] / measured.hinge.arm)

@@ -27,7 +27,13 @@ from latolato.experiment.calibration.gravity import (
     find_gravity,
     is_upside_down,
 )
-from latolato.experiment.calibration.hinge import CLICK, Hinge, find_hinge, other_centre, range_of
+from latolato.experiment.calibration.hinge import (
+    CLICK_SIGMA,
+    Hinge,
+    find_hinge,
+    other_centre,
+    range_of,
+)
 from latolato.experiment.calibration.lens import Optics, lens_errors, undistorted
 from latolato.experiment.calibration.swing import Motion
 from latolato.experiment.calibration.tilt import Tilt, fit_tilt
@@ -91,10 +97,11 @@ class Calibration:
 def calibrate(
     seen: Positions,
     size: tuple[int, int],
+    *,
     rotation: int,
     optics: Optics | None = None,
     circle: Circle | None = None,
-    click: float = CLICK,
+    pivot_sigma: float = CLICK_SIGMA,
 ) -> Calibration:
     """Return angles about the hinge from positions in the image.
 
@@ -110,8 +117,8 @@ def calibrate(
         What is declared of the camera.
     circle : Circle
         The pivot, if the picture does not show it.
-    click : float
-        Error of the place where the pivot was taken to be [pixels].
+    pivot_sigma : float
+        Standard deviation of the place where the pivot was taken to be [pixels].
 
     Raises
     ------
@@ -144,14 +151,14 @@ def calibrate(
     use = is_clean if is_clean.sum() >= 20 else is_measured
     noise, tilt, sigmas, in_picture = _noise(seen.times, away, use), Tilt(), seen.sigmas, away
     if circle is None:
-        hinge = find_hinge(away[use], seen.angles[use], noise, click)
+        hinge = find_hinge(away[use], seen.angles[use], noise=noise, pivot_sigma=pivot_sigma)
         if not optics.row_time:
-            tilt = fit_tilt(centres[use], about[use], size) or tilt
+            tilt = fit_tilt(centres[use], about[use], size, pivot_sigma) or tilt
         if tilt.angle > 0.0:
             unsure, shown = tilt.errors(away), np.linalg.norm(away, axis=-1)
             away = tilt.flat(away)
             noise = _noise(seen.times, away, use)
-            hinge = find_hinge(away[use], seen.angles[use], noise, click)
+            hinge = find_hinge(away[use], seen.angles[use], noise=noise, pivot_sigma=pivot_sigma)
             # What a turn in the picture is in the plane.
             slopes = (shown / np.linalg.norm(away, axis=-1)) ** 2 / math.cos(tilt.angle)
             sigmas = np.hypot(sigmas * slopes, unsure)
@@ -190,7 +197,9 @@ def calibrate(
         if not warnings:
             off = 1e3 * float(np.nanmax(np.abs(wrong[use])))
             warnings.append(said("distorted_path", off=off))
-    elsewhere = other_centre(in_picture[use], seen.angles[use], hinge, noise, click)
+    elsewhere = other_centre(
+        in_picture[use], seen.angles[use], hinge, noise=noise, pivot_sigma=pivot_sigma
+    )
     if elsewhere is not None:
         sigmas = np.hypot(sigmas, _turned_otherwise(angles, in_picture - elsewhere, use))
         place = place_text(np.nanmedian(seen.pivots, axis=0) + elsewhere)
@@ -202,8 +211,8 @@ def calibrate(
         raise broken("upside_down")
     shared = angle_offset_sigma(down, hinge)
     if tilt.angle > 0.0 and down.source != "swing":
-        # An oval's middle moves with its axes: the hinge is no better known than the click.
-        shared = math.hypot(shared, click / hinge.arm)
+        # An oval's middle moves with its axes: the hinge is no better known than before.
+        shared = math.hypot(shared, pivot_sigma / hinge.arm)
     sigmas = np.hypot(sigmas, _shared_error(angles, down, shared, hinge))
     if down.source == "image":
         warnings.append(said("unknown_gravity", angle=f"{math.degrees(down.sigma):.0f}"))

@@ -10,7 +10,7 @@ import numpy as np
 from latolato.core.errors import Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
 from latolato.experiment.calibration.deviations import scatter_of
-from latolato.experiment.calibration.hinge import CLICK, UNROUND
+from latolato.experiment.calibration.hinge import UNROUND, sigma_of_pivot
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 from latolato.experiment.calibration.orbit import (
     drive_of,
@@ -25,9 +25,8 @@ from latolato.experiment.rules import place_text, said
 _FEWEST, _MISTAKEN = 20, 4.0
 # Pieces of the clip whose errors count as independent.
 _PIECES = 12
-# Error of a declared place outside the picture, as a share of the arm, and how far off the arc's
-# centre it may be [standard deviations].
-_DECLARED, _AGREES = 0.02, 4.0
+# How far off the arc's centre a declared place may be [standard deviations].
+_AGREES = 4.0
 # Relative error of the arm from which a path is too straight.
 _STRAIGHT = 1.0 / 3.0
 # Largest residual of a circle: pixels, share of the arm.
@@ -111,7 +110,7 @@ def unseen_circle(
     if declared is not None:
         about = fit.bow.about(declared)
         arm = float(about.circle[2])
-        error = math.hypot(CLICK, _DECLARED * arm)
+        error = sigma_of_pivot(arm, is_clicked=False)
         # Directions and curvatures have errors that are alike on both sides; far centres have not.
         apart = (about.shape - fit.bow.shape)[1:]
         both = fit.spread[1:, 1:] + np.diag([1.0, about.shape[2]]) ** 2 * (error / arm) ** 2

@@ -13,10 +13,10 @@ from latolato.experiment.rules import said
 
 # Arc above which a path that is no circle shows [rad].
 WIDE_ARC = math.radians(60.0)
-# Errors of a click and of distances on the whole [pixels].
-CLICK, UNROUND = 1.0, 0.15
-# Error of the place of a pivot that nobody clicked, or that moves unseen, as a share of the arm.
-UNCLICKED = 0.02
+# Standard deviations of a click and of distances on the whole [pixels].
+CLICK_SIGMA, UNROUND = 1.0, 0.15
+# Standard deviation of the place of a pivot that nobody clicked on, as a share of the arm.
+_UNCLICKED = 0.02
 # Error of the pivot against the ball that all frames share, from shading and edges, the least one
 # of the distances that changes along the arc, and the distance beyond which one is a mistake of the
 # tracker [pixels].
@@ -28,10 +28,10 @@ _BLOCK = 16.0
 _ROUND, _ROUND_SHARE = 0.35, 1.2e-3
 # Pieces of an arc that may be bent each for itself.
 _PIECES = 25
-# Distance of another centre from the click that is no accident [standard deviations], and from the
+# Distance of another centre from the pivot that is no accident [standard deviations], and from the
 # hinge that matters [pixels]; what its circle may leave over, in noise.
 _ELSEWHERE, _APART, _AS_ROUND = 4.0, 2.0, 1.0
-# Offset that a click may have [standard deviations, arm].
+# Offset that the place of a pivot may have [standard deviations, arm].
 _NEAR, _NEAR_SHARE = 5.0, 0.01
 
 
@@ -42,7 +42,7 @@ class Hinge:
     Attributes
     ----------
     offset, sigma : numpy.ndarray, shape (2,)
-        From the clicked pivot to the hinge and its standard deviations [pixels].
+        From where the pivot was taken to be to the hinge, and its standard deviations [pixels].
     arm : float
         Distance from hinge to ball [pixels].
     arc : float
@@ -82,26 +82,37 @@ class Hinge:
         return math.hypot(math.sin(direction) * self.sigma[0], math.cos(direction) * self.sigma[1])
 
 
-def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float, click: float = CLICK) -> Hinge:
-    """Return the hinge from positions (place, 2) about the click, whose error is `click` [pixels].
+def sigma_of_pivot(arm: float, *, is_clicked: bool) -> float:
+    """Standard deviation of where a pivot is taken to be at the end of an arm [pixels].
 
-    `noise` is the scatter of the distances [pixels], which is no fault of the circle. What
-    distances get wrong along the arc moves the centre the more, the narrower it is; along the
-    middle of a narrow arc the click tells more.
+    It was clicked in the picture, or else found there, declared outside of it, or moves unseen.
+    """
+    return CLICK_SIGMA if is_clicked else math.hypot(CLICK_SIGMA, _UNCLICKED * arm)
+
+
+def find_hinge(
+    away: np.ndarray, angles: np.ndarray, *, noise: float, pivot_sigma: float = CLICK_SIGMA
+) -> Hinge:
+    """Return the hinge from positions (place, 2) about a pivot that is known to `pivot_sigma`.
+
+    `noise` is the scatter of the distances, which is no fault of the circle; both are in pixels.
+    What distances get wrong along the arc moves the centre the more, the narrower it is; along the
+    middle of a narrow arc the pivot's place tells more.
     """
     distance = np.hypot(away[:, 0], away[:, 1])
     arm = float(np.median(distance)) if len(distance) else math.nan
     arc = range_of(angles)
-    none, clicked = np.zeros(2), np.full(2, math.hypot(click, _SHARED))
+    none, unsure = np.zeros(2), np.full(2, math.hypot(pivot_sigma, _SHARED))
     if len(away) < 20:
-        return Hinge(none, clicked, arm, arc, math.nan)
+        return Hinge(none, unsure, arm, arc, math.nan)
     count = max(min(len(away), arc * arm / _BLOCK), 1.0)
     uneven, bent = math.hypot(_UNEVEN, noise / math.sqrt(count)), 0.0
     for _ in range(2):  # what the circle leaves beyond noise bends some pieces of the arc
         shared = math.hypot(uneven, bent / math.sqrt(_PIECES))
         fit = fit_circle(
-            lambda: away, shared * math.sqrt(len(away)), robust=_MISTAKEN, belief=(none, click)
-        )
+            lambda: away, shared * math.sqrt(len(away)), robust=_MISTAKEN,
+            belief=(none, pivot_sigma),
+        )  # fmt: skip
         bent = math.sqrt(max(fit.residual**2 - noise**2, 0.0))
     offset, residual = fit.centre, fit.residual
     # Lenses and perspective make an oval: its second harmonic beside the circle.
@@ -111,14 +122,14 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float, click: float 
     limit = max(_ROUND, _ROUND_SHARE * fit.arm, 2.0 * noise)
     is_wide = arc >= WIDE_ARC
     is_oval = is_wide and (bent > limit or oval > 1.5 * limit)
-    if is_oval or float(np.hypot(*offset)) > max(_NEAR * click, _NEAR_SHARE * fit.arm):
+    if is_oval or float(np.hypot(*offset)) > max(_NEAR * pivot_sigma, _NEAR_SHARE * fit.arm):
         sizes = {"offset": f"{np.hypot(*offset):.1f}", "residual": f"{max(bent, oval):.2f}"}
         warning = said("off_centre", **sizes)
-        sigma = np.maximum(clicked, np.abs(offset))
-        as_clicked = float(1.4826 * np.median(np.abs(distance - arm)))
-        return Hinge(none, sigma, arm, arc, as_clicked, [warning] if is_wide else [])
+        sigma = np.maximum(unsure, np.abs(offset))
+        scatter = float(1.4826 * np.median(np.abs(distance - arm)))
+        return Hinge(none, sigma, arm, arc, scatter, [warning] if is_wide else [])
     spread = np.diag(fit.covariance)[:2] * (1.0 + (bent / shared) ** 2)
-    sigma = np.sqrt(_SHARED**2 + np.minimum(spread, click**2))
+    sigma = np.sqrt(_SHARED**2 + np.minimum(spread, pivot_sigma**2))
     if bent <= limit:
         return Hinge(offset, sigma, fit.arm, arc, residual)
     # A pivot that moves to the side changes distances by the sine of the angle only. It may have
@@ -129,25 +140,25 @@ def find_hinge(away: np.ndarray, angles: np.ndarray, noise: float, click: float 
 
 
 def other_centre(
-    away: np.ndarray, angles: np.ndarray, hinge: Hinge, noise: float, click: float
+    away: np.ndarray, angles: np.ndarray, hinge: Hinge, *, noise: float, pivot_sigma: float
 ) -> np.ndarray | None:
     """Return the centre (2,) of a circle that places show as well, far from the hinge [pixels].
 
-    None if there is none. A pivot pointed at in a wrong place makes the same path as a camera that
-    looks at an angle, and a belief in the click draws the hinge to it.
+    None if there is none. A pivot that is in a wrong place makes the same path as a camera that
+    looks at an angle, and a belief in the place draws the hinge to it.
 
     Parameters
     ----------
     away : numpy.ndarray, shape (place, 2)
-        Places in the picture from the click [pixels].
+        Places in the picture from where the pivot was taken to be [pixels].
     angles : numpy.ndarray, shape (place,)
         Their angles [rad].
     hinge : Hinge
         What is believed.
     noise : float
         Scatter of the distances [pixels].
-    click : float
-        Error of the click [pixels].
+    pivot_sigma : float
+        Standard deviation of the pivot's place [pixels].
     """
     if len(away) < 20 or not hinge.is_seen:
         return None
@@ -159,8 +170,8 @@ def other_centre(
     if bent > _AS_ROUND * max(noise, _SHARED):
         return None
     spread = fit.covariance[:2, :2] * (1.0 + len(away) * (bent / sigma) ** 2 / _PIECES)
-    # How sure it is that it is not where the click is, which is at the origin.
-    sure = np.linalg.inv(spread + click**2 * np.eye(2))
+    # How sure it is that it is not where the pivot was taken to be, which is at the origin.
+    sure = np.linalg.inv(spread + pivot_sigma**2 * np.eye(2))
     is_elsewhere = fit.centre @ sure @ fit.centre > _ELSEWHERE**2
     is_far = float(np.hypot(*(fit.centre - hinge.offset))) > _APART
     return fit.centre if is_elsewhere and is_far else None

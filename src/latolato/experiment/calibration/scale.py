@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.experiment.calibration.hinge import CLICK
+from latolato.experiment.calibration.hinge import CLICK_SIGMA
 from latolato.experiment.calibration.lens import undistorted
 from latolato.experiment.sidecar import Setup
 
@@ -67,7 +67,7 @@ def scale_of(
         return Scale(setup.length / arm[0], arm[1] / arm[0], "length")
     if setup.stick and setup.stick_length:
         pixels = stick_pixels(setup, size)
-        return Scale(setup.stick_length / pixels, math.sqrt(2.0) * CLICK / pixels, "stick")
+        return Scale(setup.stick_length / pixels, math.sqrt(2.0) * CLICK_SIGMA / pixels, "stick")
     if setup.radius and radius:
         return Scale(setup.radius / radius[0], radius[1] / radius[0], "radius")
     return None

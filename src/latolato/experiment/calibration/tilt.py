@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-from latolato.experiment.calibration.circle_fit import fit_circle
-from latolato.experiment.calibration.hinge import CLICK, UNROUND
+from latolato.experiment.calibration.circle_fit import CircleFit, fit_circle
+from latolato.experiment.calibration.hinge import CLICK_SIGMA, UNROUND
 from latolato.experiment.calibration.lens import UNKNOWN_LENS, undistorted
 
 # Fewest places that make an oval, most of them that are fitted, and the narrowest arc [rad]: on a
@@ -109,7 +109,12 @@ def _matrix(stretch: np.ndarray) -> np.ndarray:
     return np.array([[cosine, -sine], [sine, cosine]]) @ plain
 
 
-def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> Tilt | None:
+def fit_tilt(
+    places: np.ndarray,
+    pivots: np.ndarray,
+    size: tuple[int, int],
+    pivot_sigma: float = CLICK_SIGMA,
+) -> Tilt | None:
     """Return the tilt at which a circle about the pivot is seen in places, None if none is sure.
 
     Parameters
@@ -118,14 +123,19 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
         Where a ball is in the picture, and the pivot at the same time [pixels].
     size : tuple of int
         Width and height of the picture [pixels].
+    pivot_sigma : float
+        Standard deviation of the pivot's place, which all frames share [pixels].
 
     Notes
     -----
     A circle of radius ``R`` whose plane is tilted by ``t`` is seen as an oval with the semi-axes
-    ``R`` and ``R cos t`` about the pivot, which is believed to 1 pixel and 0.3 % of the arm. The
-    covariance includes a lens of ``k1 = 0.01``, which makes ovals, too; where one of up to 0.1 may
-    make this oval, there is none, and none on an arc of less than 0.5 rad. It can
-    miss a perspective that makes one side larger than the other.
+    ``R`` and ``R cos t`` about the pivot. To decide whether there is one, the pivot is believed to
+    1 pixel and 0.3 % of the arm even where it was found: about the centre of a circle there is no
+    oval, and where strings meet it is known that well. The oval is then fitted with the deviation
+    of the pivot. The covariance includes a lens of ``k1 = 0.01``, which makes ovals, too; where one
+    of up to 0.1 may make this oval, there is none, and none on an arc of less than 0.5 rad. It can
+    miss a perspective that makes one side larger than the other, and a tilt about a pivot that was
+    found as the centre of a circle.
     """
     turns = np.unwrap(np.arctan2(*(places - pivots).T))
     if len(places) < _FEWEST or np.ptp(np.quantile(turns, [0.02, 0.98])) < _NARROW:
@@ -135,7 +145,7 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
     away = places - pivots
     bend = undistorted(places, size, UNKNOWN_LENS) - undistorted(pivots, size, UNKNOWN_LENS) - away
     arm = float(np.median(np.hypot(*away.T)))
-    belief = np.zeros(2), math.hypot(CLICK, _ASIDE * arm)
+    none, near = np.zeros(2), math.hypot(CLICK_SIGMA, _ASIDE * arm)
 
     def oval(e1: float, e2: float) -> np.ndarray:
         return np.asarray(away @ np.array([[1.0 + e1, e2], [e2, 1.0 - e1]]))
@@ -145,23 +155,26 @@ def fit_tilt(places: np.ndarray, pivots: np.ndarray, size: tuple[int, int]) -> T
 
     circle = fit_circle(
         lambda lens: away + lens * bend, of_one(UNROUND), extra=[0.0], limits=[_LENSES],
-        belief=(belief[0], belief[1] / _STIFF),
+        belief=(none, near / _STIFF),
     )  # fmt: skip
-    fit = fit_circle(oval, of_one(UNROUND), belief=belief, extra=[0.0, 0.0])
-    fit = fit_circle(
-        oval, of_one(max(fit.residual, UNROUND)), belief=belief, extra=fit.extra.tolist(), bent=bend
-    )
-    left, round_left, spread = fit.residual, circle.residual, fit.spread
+    rough = fit_circle(oval, of_one(UNROUND), belief=(none, near), extra=[0.0, 0.0])
+
+    def fitted(sigma: float) -> tuple[CircleFit, float, float]:
+        fit = fit_circle(
+            oval, of_one(max(rough.residual, UNROUND)), belief=(none, sigma),
+            extra=rough.extra.tolist(), bent=bend,
+        )  # fmt: skip
+        strength = float(np.hypot(*fit.extra))
+        along = fit.extra / max(strength, _STEP)
+        return fit, strength, math.sqrt(float(along @ fit.spread[3:, 3:] @ along))
+
+    fit, e, sigma = fitted(near)
+    is_near = fit.residual < min(max(_NEAR, _NEAR_SHARE * arm), _BETTER * circle.residual)
+    if not _SURE * sigma < e < _STRONGEST or not is_near:
+        return None
+    fit, e, sigma = fitted(math.hypot(pivot_sigma, _ASIDE * arm))
     e1, e2 = fit.extra
-    e = math.hypot(e1, e2)
-    is_near = left < min(max(_NEAR, _NEAR_SHARE * arm), _BETTER * round_left)
-    if not 0.0 < e < _STRONGEST or not is_near:
-        return None
-    along = np.array([e1, e2]) / e
-    sigma = math.sqrt(float(along @ spread[3:, 3:] @ along))
-    if e < _SURE * sigma:
-        return None
     angle = math.acos((1.0 - e) / (1.0 + e))
     # cos t = (1 - e)/(1 + e), so that sin t dt = 2 de/(1 + e)^2.
     tilt_sigma = 2.0 * sigma / ((1.0 + e) ** 2 * math.sin(angle))
-    return Tilt(angle, tilt_sigma, 0.5 * math.atan2(-e2, e1), spread[3:, 3:])
+    return Tilt(angle, tilt_sigma, 0.5 * math.atan2(-e2, e1), fit.spread[3:, 3:])

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from latolato.experiment.calibration.hinge import CLICK, UNCLICKED
+from latolato.experiment.calibration.hinge import sigma_of_pivot
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
 from latolato.experiment.calibration.orbit import (
     DrivenCircle,
@@ -169,7 +168,7 @@ def _unseen_drive(
     last = len(route.times)
     times = np.array([route.times[f.number] if 0 <= f.number < last else f.time for f in frames])
     apart = float(np.hypot(*(driven.pivots(times[:1])[0] - click)))
-    if apart > _AGREES * math.hypot(CLICK, UNCLICKED * driven.arm):
+    if apart > _AGREES * sigma_of_pivot(driven.arm, is_clicked=False):
         return None
     tracker = PivotTracker.unseen(
         np.asarray(pivot, float), lambda times: distorted(driven.pivots(times), size, optics)

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from latolato.experiment.calibration.hinge import CLICK
+from latolato.experiment.calibration.hinge import CLICK_SIGMA
 from latolato.experiment.tracking.appearance import arc, fit_balls, samples_for
 from latolato.experiment.tracking.learn import ImageModel
 from latolato.experiment.tracking.pivot import PivotFollower
@@ -207,7 +207,7 @@ class _Refiner:
 
     def _fix(self, n: int, ball: int, pivot: np.ndarray, place: np.ndarray) -> None:
         """Keep a place that is set by hand."""
-        self._keep(n, ball, pivot, place, CLICK**2 * np.eye(2), self.guesses[n, ball])
+        self._keep(n, ball, pivot, place, CLICK_SIGMA**2 * np.eye(2), self.guesses[n, ball])
         self.explained[n, ball], self.hidden[n, ball] = self.scene.explained, 0.0
         self.is_fixed[n, ball] = True
 
