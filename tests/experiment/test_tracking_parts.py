@@ -467,10 +467,14 @@ def _filmed(k1, wide, stroke=15.0):
     return balls[:, None], pivots[:, None], angles[:, None], np.arctan2(*away.T)[:, None]
 
 
+# What is known of these places.
+_KNOWN = {"use": np.ones((300, 1), bool), "size": (640, 480), "noise": 0.05}
+
+
 @pytest.mark.parametrize("wide", [0.7, 1.2])
 def test_a_lens_shows_in_the_path_and_what_it_does_to_angles_is_known(wide):
     balls, pivots, true, seen = _filmed(-0.08, wide)
-    found = lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480), 0.05)
+    found = lens_errors(balls, pivots, angles=seen, **_KNOWN)
     assert found is not None
     assert np.ptp(seen - true) > 4e-3
     # What is left is the noise of 0.05 pixels in 250, and the common place of the centre.
@@ -482,7 +486,7 @@ def test_a_lens_shows_in_the_path_and_what_it_does_to_angles_is_known(wide):
 )
 def test_no_lens_is_seen_without_one_or_in_a_narrow_arc_about_a_still_pivot(k1, wide, stroke):
     balls, pivots, _, seen = _filmed(k1, wide, stroke)
-    assert lens_errors(balls, pivots, np.ones((300, 1), bool), seen, (640, 480), 0.05) is None
+    assert lens_errors(balls, pivots, angles=seen, **_KNOWN) is None
 
 
 def test_scatter_is_the_noise_and_not_the_swing():
@@ -501,11 +505,11 @@ def test_deviations_see_errors_that_last_for_many_frames():
     along, across = 0.4 * lasting / lasting.std(), -0.4 * np.roll(lasting, 200) / lasting.std()
     angles = (0.7 * np.sin(6.0 * times) + along / arm)[:, None]
     sigmas, spreads = np.full((600, 1), 0.05 / arm), np.full((600, 1), 0.05)
-    clean = np.ones((600, 1), bool)
-    found = honest_deviations(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    known = {"sigmas": sigmas, "spreads": spreads, "is_clean": np.ones((600, 1), bool), "arm": arm}
+    found = honest_deviations(times, angles, off=across[:, None], **known)
     assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
     across[100] = 5.0
-    found = honest_deviations(times, angles, sigmas, across[:, None], spreads, clean, arm)
+    found = honest_deviations(times, angles, off=across[:, None], **known)
     assert found[100, 0] * arm > 3.0
     assert np.median(found) * arm == pytest.approx(0.4, rel=0.2)
 
@@ -655,7 +659,7 @@ def test_errors_of_time_are_told_from_those_of_place_by_the_speed(is_late):
     else:  # as much as the fastest ball is then off
         angles = 0.5 * np.sin(6.0 * times) + 3.0 * errors
     clean = np.ones((300, 1), bool)
-    off = time_scatter(times, angles[:, None], clean, ~clean, noise=1e-4)
+    off = time_scatter(times, angles[:, None], is_clean=clean, is_broken=~clean, noise=1e-4)
     assert (0.8e-3 < off < 2.5e-3) == is_late
     assert (off == 0.0) != is_late
 

@@ -178,9 +178,14 @@ def calibrate(
     if circle is not None:  # they were followed about a place that was known less well
         before = np.linalg.norm(seen.centres - seen.pivots[:, None], axis=-1)
         sigmas = sigmas * float(np.nanmedian(before)) / hinge.arm
-    honest = honest_deviations(seen.times, angles, sigmas, off, seen.spreads, is_clean, hinge.arm)
+    honest = honest_deviations(
+        seen.times, angles, sigmas=sigmas, off=off, spreads=seen.spreads, is_clean=is_clean,
+        arm=hinge.arm,
+    )  # fmt: skip
     is_broken = np.isin(seen.flags, ("collision", "lost"))
-    late = time_scatter(seen.times, angles, is_clean, is_broken, noise / hinge.arm)
+    late = time_scatter(
+        seen.times, angles, is_clean=is_clean, is_broken=is_broken, noise=noise / hinge.arm
+    )
     if late > 0.0:
         speeds = np.gradient(angles, seen.times, axis=0)
         # Next to unknown angles, the fastest.
@@ -191,7 +196,7 @@ def calibrate(
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2 or tilt.angle):
-        wrong = lens_errors(centres, about, use, raw, size, noise)
+        wrong = lens_errors(centres, about, use=use, angles=raw, size=size, noise=noise)
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:
@@ -205,7 +210,9 @@ def calibrate(
         place = place_text(np.nanmedian(seen.pivots, axis=0) + elsewhere)
         pixels = f"{np.hypot(*elsewhere):.0f}"
         warnings.append(said("other_centre", place=place, pixels=pixels))
-    motion = _motion(seen, away - offset, angles, tilt.flat(pivots), hinge.arm)
+    motion = _motion(
+        seen, away=away - offset, angles=angles, pivots=tilt.flat(pivots), arm=hinge.arm
+    )
     down = find_gravity(motion, hinge)
     if down.swing is None and is_upside_down(motion):
         raise broken("upside_down")
@@ -217,16 +224,16 @@ def calibrate(
     if down.source == "image":
         warnings.append(said("unknown_gravity", angle=f"{math.degrees(down.sigma):.0f}"))
     return Calibration(
-        angles - down.direction,
-        sigmas,
-        pivots + tilt.seen(offset),
-        centres,
-        hinge,
-        down,
-        shared,
-        motion,
-        warnings,
-        tilt,
+        angles=angles - down.direction,
+        sigmas=sigmas,
+        pivots=pivots + tilt.seen(offset),
+        centres=centres,
+        hinge=hinge,
+        gravity=down,
+        angle_offset_sigma=shared,
+        motion=motion,
+        warnings=warnings,
+        tilt=tilt,
     )
 
 
@@ -250,7 +257,7 @@ def _noise(times: np.ndarray, away: np.ndarray, use: np.ndarray) -> float:
 
 
 def _motion(
-    seen: Positions, away: np.ndarray, angles: np.ndarray, pivots: np.ndarray, arm: float
+    seen: Positions, *, away: np.ndarray, angles: np.ndarray, pivots: np.ndarray, arm: float
 ) -> Motion:
     """Return the motion of balls at places from the hinge and of the pivot, without slack strings.
 

@@ -22,6 +22,7 @@ _ROUGH = 2.0
 def honest_deviations(
     times: np.ndarray,
     angles: np.ndarray,
+    *,
     sigmas: np.ndarray,
     off: np.ndarray,
     spreads: np.ndarray,
@@ -62,6 +63,7 @@ def honest_deviations(
 def time_scatter(
     times: np.ndarray,
     angles: np.ndarray,
+    *,
     is_clean: np.ndarray,
     is_broken: np.ndarray,
     noise: float,

@@ -58,6 +58,7 @@ UNKNOWN_LENS = Optics(lens_k1=0.01)
 def lens_errors(
     balls: np.ndarray,
     pivots: np.ndarray,
+    *,
     use: np.ndarray,
     angles: np.ndarray,
     size: tuple[int, int],
