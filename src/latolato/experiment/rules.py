@@ -750,8 +750,9 @@ RULES = {
         "the time stamps are off by about {late:.2g} ms: the deviations of fast balls include that"
     ),
     "distorted_path": Rule(
-        "the ball's path is distorted (lens, perspective or rolling shutter): angles may be off by "
-        "{off:.2g} mrad; declare the lens ({@lens_k1}) or the shutter ({@row_time})"
+        "the ball's path is distorted (lens, perspective or rolling shutter), or the pivot is some "
+        "pixels off: angles may be off by {off:.2g} mrad; declare the lens ({@lens_k1}) or the "
+        "shutter ({@row_time}), or point at the middle of the pivot"
     ),
     "oblique_camera": Rule(
         "the camera looks at the swing at an angle of {angle} degrees: angles are corrected for "

@@ -196,7 +196,9 @@ def calibrate(
     sigmas = np.where(seen.flags == "manual", sigmas, honest)
     wrong = None
     if hinge.is_seen and not (optics.lens_k1 or optics.lens_k2 or tilt.angle):
-        wrong = lens_errors(centres, about, use=use, angles=raw, size=size, noise=noise)
+        wrong = lens_errors(
+            centres, about, use=use, angles=raw, size=size, noise=noise, pivot_sigma=pivot_sigma
+        )
     if wrong is not None and np.median(np.abs(wrong[use])) > np.median(sigmas[use]):
         sigmas = np.hypot(sigmas, wrong)
         if not warnings:

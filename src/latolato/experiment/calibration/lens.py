@@ -63,6 +63,7 @@ def lens_errors(
     angles: np.ndarray,
     size: tuple[int, int],
     noise: float,
+    pivot_sigma: float,
 ) -> np.ndarray | None:
     """Return by how much a lens that the path shows would change angles [rad], None if none shows.
 
@@ -78,13 +79,16 @@ def lens_errors(
         Width and height of the picture [pixels].
     noise : float
         Scatter of the distances from the pivot [pixels].
+    pivot_sigma : float
+        Error of the place where the pivot was taken to be [pixels].
 
     Notes
     -----
-    It is the lens with which places lie on a circle best. A lens stretches the circle more where it
-    is far from the middle of the picture. A narrow arc, or one all at the same distance from the
-    middle, tells little. What the lens leaves of the distances beyond their noise may change slowly
-    along the path, as errors of a fast pivot do, and does not average out.
+    It is the lens with which places lie best on a circle about the pivot. A lens stretches the
+    circle more where it is far from the middle of the picture, and moves its centre. A narrow arc,
+    or one all at the same distance from the middle, tells little. What the lens leaves of the
+    distances beyond their noise may change slowly along the path, as errors of a fast pivot do, and
+    does not average out.
     """
     count = int(use.sum())
     if count < _FEWEST:
@@ -96,13 +100,16 @@ def lens_errors(
         lens = Optics(lens_k1=k1)
         return np.asarray(undistorted(balls, size, lens) - undistorted(pivots, size, lens))
 
-    fit = fit_circle(
-        lambda k1: away(k1, some, about), 1.0, robust=_ROBUST, extra=[0.0], limits=[_STRONGEST]
-    )
-    left = max(fit.residual**2 - noise**2, _UNEVEN**2)
-    sigma = math.sqrt(len(some) * float(fit.spread[3, 3]) * (left + noise**2 / count))
+    left = _UNEVEN
+    for _ in range(2):  # what it leaves is known once it is fitted
+        sigma = math.sqrt(len(some) * (left**2 + noise**2 / count))
+        fit = fit_circle(
+            lambda k1: away(k1, some, about), sigma,
+            robust=_ROBUST, belief=(np.zeros(2), pivot_sigma), extra=[0.0], limits=[_STRONGEST],
+        )  # fmt: skip
+        left = math.sqrt(max(fit.residual**2 - noise**2, _UNEVEN**2))
     k1 = float(fit.extra[0])
-    if abs(k1) < _SURE * sigma:
+    if abs(k1) < _SURE * math.sqrt(fit.spread[3, 3]):
         return None
     true = away(k1, balls, pivots) - fit.centre
     turned = np.arctan2(true[..., 0], true[..., 1]) - angles

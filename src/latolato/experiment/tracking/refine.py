@@ -32,8 +32,9 @@ _SURPRISING, _UNTOUCHED, _CALM = 6.0, 0.96, 0.15
 # Time between measured samples that is bridged [s], and how uncertain accelerations are then, as a
 # share of the typical one.
 _PATIENCE, _UNSURE_FORCE = 0.3, 0.3
-# Share of the steps from frame to frame below which those of a ball typically are.
-_FAST = 0.98
+# Share of the steps from frame to frame below which those of a ball typically are: a swing's 95th
+# percentile is its fastest step, and a few leaps there and back are no measure of it.
+_FAST = 0.95
 # A step this many times longer than others is a leap, also through a gap of so many frames.
 _LEAP, _LONG_GAP = 1.5, 6
 # Change of speed within a gap, over that by the typical force, from which something struck a ball.
@@ -337,7 +338,8 @@ class _Refiner:
         scene, out = self.scene, self.out
         good = self._is_good(slice(None))
         good &= self.is_fixed | ~(repeats[:, None] & (is_converted | self._is_old(repeats, good)))
-        good &= ~self._leaps(good) | self.is_fixed
+        if scene.balls == 2:
+            good &= ~may_be_other(out.angles, good, self.gap) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"
         for b in range(scene.balls):
@@ -369,31 +371,6 @@ class _Refiner:
             out.flags[self.is_fixed[:, b], b] = "manual"
             self._bridge(b)
         return out
-
-    def _leaps(self, good: np.ndarray) -> np.ndarray:
-        """Return where a ball that is seen alone after a leap or a gap may be the other one.
-
-        Shape (frame, ball).
-        """
-        doubtful = np.zeros(good.shape, bool)
-        if self.scene.balls == 1:
-            return doubtful
-        angles = np.where(good, self.out.angles, np.nan)
-        steps = np.abs(np.diff(angles, axis=0))
-        if not np.isfinite(steps).any():
-            return doubtful
-        most = _LEAP * float(np.nanquantile(steps, _FAST)) + 0.5 * self.gap
-        for b in range(2):
-            known = np.flatnonzero(good[:, b])
-            apart = np.diff(known)
-            far = np.abs(np.diff(angles[known, b])) > most * np.minimum(apart, _LONG_GAP)
-            # Where neither is seen they may meet.
-            is_alone = ~good[known[1:], 1 - b] & ~good[known[1:] - 1, 1 - b]
-            for k in np.flatnonzero(far | ((apart > 1) & is_alone)).tolist():
-                after = np.arange(known[k + 1], len(good))
-                both = np.flatnonzero(good[after].all(axis=1))
-                doubtful[after[: both[0]] if len(both) else after, b] = True
-        return doubtful
 
     def _bridge(self, ball: int) -> None:
         """Fill short gaps between measured angles of a ball by a smooth curve."""
@@ -462,6 +439,41 @@ def contact_times(times: np.ndarray, angles: np.ndarray, gap: float) -> list[flo
             if until <= times[k + 1] and after > before * 0.5:
                 contacts.append(float(np.clip(until, times[k - 1], times[k + 1])))
     return contacts
+
+
+def may_be_other(angles: np.ndarray, good: np.ndarray, gap: float) -> np.ndarray:
+    """Return where one of two balls that is seen alone after a leap or a gap may be the other one.
+
+    Parameters
+    ----------
+    angles : numpy.ndarray, shape (frame, 2)
+        Angles [rad].
+    good : numpy.ndarray of bool, shape (frame, 2)
+        Which of them were measured.
+    gap : float
+        Angle between balls that touch [rad].
+
+    Returns
+    -------
+    numpy.ndarray of bool, shape (frame, 2)
+    """
+    doubtful = np.zeros(good.shape, bool)
+    angles = np.where(good, angles, np.nan)
+    steps = np.abs(np.diff(angles, axis=0))
+    if not np.isfinite(steps).any():
+        return doubtful
+    most = _LEAP * float(np.nanquantile(steps, _FAST)) + 0.5 * gap
+    for b in range(2):
+        known = np.flatnonzero(good[:, b])
+        apart = np.diff(known)
+        far = np.abs(np.diff(angles[known, b])) > most * np.minimum(apart, _LONG_GAP)
+        # Where neither is seen they may meet.
+        is_alone = ~good[known[1:], 1 - b] & ~good[known[1:] - 1, 1 - b]
+        for k in np.flatnonzero(far | ((apart > 1) & is_alone)).tolist():
+            after = np.arange(known[k + 1], len(good))
+            both = np.flatnonzero(good[after].all(axis=1))
+            doubtful[after[: both[0]] if len(both) else after, b] = True
+    return doubtful
 
 
 def take_off_turns(angles: np.ndarray) -> None:
