@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 import warnings
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -339,12 +340,16 @@ def test_what_is_left_of_a_ball_that_is_often_off_its_circle_is_uncertain(tmp_pa
     assert np.mean(off < 2.0 * sigma) > 0.9
 
 
-@pytest.mark.parametrize("turns", [1, -1], ids=["right first", "left first"])
-def test_balls_of_different_colours_are_both_measured(turns, tmp_path):
+@pytest.mark.parametrize("clicks", ["right first", "left first", "none"])
+def test_balls_of_different_colours_are_both_measured(clicks, tmp_path):
     film = dataclasses.replace(films.films["colours two"], seconds=1.5)
     path, truth = films.shoot(film, tmp_path / "film")
     pivot, balls = np.rint(truth.pivots[0]), np.rint(truth.places[:, 0])
-    table = track(path, pivot=pivot, balls=balls[::turns], length=truth.length)
+    turns = -1 if clicks == "left first" else 1
+    pointed = {} if clicks == "none" else {"pivot": pivot, "balls": balls[::turns]}
+    # What was found without clicks is said.
+    with nullcontext() if pointed else pytest.warns(RuntimeWarning, match="found in the video"):
+        table = track(path, length=truth.length, **pointed)
     for ball, true in enumerate(truth.angles, start=1):
         ok = table[f"flag_{ball}"].values == "ok"
         assert ok.mean() > 0.9

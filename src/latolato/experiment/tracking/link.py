@@ -181,11 +181,17 @@ def extent_of(places: np.ndarray) -> float:
 
 
 def are_alike(first: Trajectory, other: Trajectory) -> bool:
-    """Return whether two things that move may be the two balls of a pair."""
-    if not (first.is_seen & other.is_seen).any():
+    """Return whether two things that move may be the two balls of a pair of one colour."""
+    if not may_be_pair(first, other):
         return False
     one, two = (np.nanmedian(track.colours, axis=0) for track in (first, other))
-    is_alike = float(np.linalg.norm((one - two) * WEIGHTS)) < _SAME_COLOUR
+    return float(np.linalg.norm((one - two) * WEIGHTS)) < _SAME_COLOUR
+
+
+def may_be_pair(first: Trajectory, other: Trajectory) -> bool:
+    """Return whether two things that move may be two balls by their sizes, ways and places."""
+    if not (first.is_seen & other.is_seen).any():
+        return False
     is_as_large = 1.0 / _AS_LARGE < other.radius / first.radius < _AS_LARGE
     # How long it is where it is slow, and not smeared.
     long, short = sorted(float(np.nanquantile(each.lengths, 0.1)) for each in (first, other))[::-1]
@@ -197,7 +203,7 @@ def are_alike(first: Trajectory, other: Trajectory) -> bool:
     is_other = np.nanquantile(apart, _AT_ONE_PLACE) > first.radius
     # Where balls rest against each other, they may be one blob.
     is_often = other.is_seen[first.moves].mean() > _TWICE
-    return bool(is_alike and is_as_large and is_as_long and goes_as_far and is_other and is_often)
+    return bool(is_as_large and is_as_long and goes_as_far and is_other and is_often)
 
 
 def best_chain(

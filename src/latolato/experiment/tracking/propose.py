@@ -11,17 +11,19 @@ import numpy as np
 from latolato.core.errors import InputError, Sentence
 from latolato.experiment.calibration.circle_fit import CircleFit
 from latolato.experiment.calibration.lens import Optics, distorted, undistorted
-from latolato.experiment.calibration.orbit import better, circle, driven_circle
+from latolato.experiment.calibration.orbit import DrivenCircle, better, circle, driven_circle
 from latolato.experiment.rules import broken, said
 from latolato.experiment.sidecar import OUTSIDE, Place, Setup
 from latolato.experiment.tracking.detect import Blobs, detect, shrunk
 from latolato.experiment.tracking.link import (
     Trajectory,
     are_alike,
+    extent_of,
     length_of_clear,
     link_alike,
     link_clicked,
     link_movers,
+    may_be_pair,
 )
 from latolato.experiment.tracking.pivot import Strings, learn_pivot
 from latolato.experiment.tracking.route import radius_of_parts
@@ -50,12 +52,14 @@ _ROUGH, _ROUGHEST = 0.5, 0.75
 _LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
+# How much the way from one ball to the other changes at least, as a share of the first one's way.
+_GOES_ALONG = 0.4
 # By which factor the other ball of a pair may be farther off a circle than the first one.
 _OFF_TOO = 1.5
 # How near centres of circles are that are one pivot, as a share of the larger arm.
 _ONE_PIVOT = 0.05
-# Share of the strings that meet where they do best, from which a circle's centre is as good.
-_AS_WELL = 0.8
+# How far a circle's centre may be off, in its deviations.
+_UNSURE = 2.0
 # Pixels, and share of the arm, that a ball may lie off the circle.
 _OFF, _OFF_SHARE = 4.5, 0.03
 # Residual from which a circle is good enough to look no further: pixels and share of the arm.
@@ -241,7 +245,10 @@ def _chosen(
     if count != 1 and all(_may_swing(one, off) for one in pair) and are_alike(again, other):
         return [again, other]
     others = [
-        (one[0], one[2]) for one in scored if _may_swing(one, off) and are_alike(first, one[2])
+        (one[0], one[2])
+        for one in scored
+        if _may_swing(one, off)
+        and (are_alike(first, one[2]) or _share_circle(first, one[2], sample))
     ]
     second = max(others, key=lambda one: one[0], default=None)
     if count == 2 and second is None:
@@ -249,6 +256,22 @@ def _chosen(
             "only one moving ball was found, not two", way_out="point at pivot and both balls"
         )
     return [first] if second is None or count == 1 else [first, second[1]]
+
+
+def _share_circle(first: Trajectory, other: Trajectory, sample: Sample) -> bool:
+    """Return whether two things swing about one pivot, the one not always beside the other.
+
+    They are balls of any colour then: a shadow goes along with its ball, as do parts of one thing.
+    """
+    if not may_be_pair(first, other):
+        return False
+    apart = other.places - first.places
+    if extent_of(apart[np.isfinite(apart[:, 0])]) < _GOES_ALONG * first.travel:
+        return False
+    some = _some(first.places, other.places)
+    places = [track.places[some] for track in (first, other)]
+    orbit = better(*_circles(places, sample.times[some], sample.interval))
+    return orbit is not None and orbit.residual < _LOOSE + _LOOSE_SHARE * first.travel
 
 
 def _leaps(track: Trajectory) -> bool:
@@ -312,24 +335,36 @@ def _begun(video: Video, sample: Sample, shown: np.ndarray, count: int, *, is_fr
     return replace(sample, clicked=[frames[pairs[0]], frames[pairs[0] + 1]])
 
 
-def _some(places: np.ndarray) -> np.ndarray:
-    """Return the numbers of frames that are enough for a circle."""
-    known = np.flatnonzero(np.isfinite(places[:, 0]))
+def _some(*tracks: np.ndarray) -> np.ndarray:
+    """Return the numbers of frames in which things are seen that are enough for a circle."""
+    known = np.flatnonzero(np.any([np.isfinite(track[:, 0]) for track in tracks], axis=0))
     return known[:: max(1, len(known) // _ENOUGH)]
 
 
 def _circles(
     tracks: list[np.ndarray], times: np.ndarray, interval: float
 ) -> tuple[CircleFit | None, CircleFit | None]:
-    """Return the circle of tracks about one pivot at rest, and about a driven one."""
-    groups = [
+    """Return the circle of tracks about one pivot at rest, and if it is not round a driven one."""
+    groups = _groups(tracks)
+    still = circle(groups, np.zeros((len(groups), 2)))
+    if _is_round(still):
+        return still, None
+    return still, driven_circle(groups, times, interval)
+
+
+def _at_rest(tracks: list[np.ndarray]) -> CircleFit | None:
+    """Return the round circle of tracks about one pivot at rest, None if there is none."""
+    groups = _groups([track[_some(*tracks)] for track in tracks])
+    still = circle(groups, np.zeros((len(groups), 2)))
+    return still if _is_round(still) else None
+
+
+def _groups(tracks: list[np.ndarray]) -> list[np.ndarray]:
+    """Return the places of tracks that are known, (ball, 2) for each frame."""
+    return [
         np.array([place for place in places if np.isfinite(place[0])]).reshape(-1, 2)
         for places in zip(*tracks, strict=True)
     ]
-    still = circle(groups, np.zeros((len(groups), 2)))
-    if still is not None and _is_round(still):
-        return still, None
-    return still, driven_circle(groups, times, interval)
 
 
 def _rounded(place: np.ndarray) -> Place:
@@ -348,19 +383,19 @@ def _pivots(
     lines = [Lines(sample.copies, track, radius) for track in tracks]
     meetings = [each.meeting() for each in lines]
     flat = [undistorted(each, size, lens) for each in tracks]
-    own = [circle([track[_some(track)]], np.zeros((1, 2))) for track in flat]
-    centres = [
-        None if one is None or not _is_round(one) else distorted(one.centre, size, lens)
-        for one in own
-    ]
-    shared = [
-        place
-        for place in meetings
-        if place is not None and all(one.share_at(place) > SHOWS for one in lines)
-    ]
-    meeting = _seen(video, shared[0]) if shared else None
-    rests = all(centre is not None for centre in centres)
-    orbit = own[0] if rests else _common_circle(video, sample, flat, radius, meeting)
+    own = [_at_rest([track]) for track in flat]
+    centres = [None if one is None else distorted(one.centre, size, lens) for one in own]
+
+    def share(place: np.ndarray) -> float:
+        return min(one.share_at(place) for one in lines)
+
+    shared = max((place for place in meetings if place is not None), key=share, default=None)
+    meeting = None if shared is None or share(shared) <= SHOWS else _seen(video, shared)
+    # Both balls together show a pivot at rest best, unless their arms differ.
+    round_ = [one for one in own if one is not None]
+    still = _at_rest(flat) or (round_[0] if len(round_) == len(own) else None)
+    rests = still is not None
+    orbit = still or _common_circle(video, sample, flat, radius, meeting)
     # Strings from a pivot that is driven meet in no one place.
     is_driven = (
         not rests
@@ -378,11 +413,13 @@ def _pivots(
     centre = _seen(video, distorted(orbit.centre, size, lens))
     if centre is None or orbit.vague > _VAGUE:
         return [meeting]
-    if meeting is not None and rests:
-        # Strings know better where a circle is seen obliquely.
-        most, there = (lines[0].share_at(place) for place in (meeting, centre))
-        return [centre if there > _AS_WELL * most else meeting]
-    return [centre]
+    moves = 0.0 if rests else math.inf
+    if isinstance(orbit, DrivenCircle):
+        moves = orbit.amplitude
+    # Strings know a pivot at rest better: a lens or an oblique view bends circles, and a narrow arc
+    # hardly shows its centre. They are as far off a driven one as it moves.
+    by_strings = meeting is not None and moves < _UNSURE * orbit.vague * orbit.arm
+    return [meeting if by_strings else centre]
 
 
 def _are_apart(pivots: Sequence[np.ndarray | None], tracks: list[np.ndarray]) -> bool:
@@ -413,9 +450,8 @@ def _common_circle(
     Strings that are seen meet about where it is.
     """
     times = sample.times
-    some = _some(np.where(np.isfinite(tracks[0]), tracks[0], tracks[-1]))
     # A driven pivot is where it is in the first of the frames.
-    some = np.append(min(sample.click, len(times) - 1), some)
+    some = np.append(min(sample.click, len(times) - 1), _some(*tracks))
     own = [track[some] for track in tracks]
     first = better(*_circles(own, times[some], sample.interval))
     if first is None or _is_round(first):
@@ -430,8 +466,10 @@ def _common_circle(
     return _followed(video, frames, places, radius, first, meeting)
 
 
-def _is_round(orbit: CircleFit) -> bool:
-    """Return whether a circle is good enough to look no further."""
+def _is_round(orbit: CircleFit | None) -> bool:
+    """Return whether there is a circle that is good enough to look no further."""
+    if orbit is None:
+        return False
     return orbit.residual < _ROUND + _ROUND_SHARE * orbit.arm and orbit.vague < _VAGUE
 
 
