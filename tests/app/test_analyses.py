@@ -2,10 +2,8 @@
 
 import inspect
 import json
-import re
 import shlex
 import warnings
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -18,7 +16,6 @@ from app_pages import download, enter
 from app_server import frames_of
 from browser_checks import assert_panels_have_room, serious_faults
 from latolato.analysis import analyses
-from latolato.app.analyse import answer
 from latolato.app.analyse.answer import compute, numbers_of
 from latolato.app.analyse.forms import about_request, forms, label_of
 from latolato.app.analyse.request import AnalysisRequest
@@ -26,10 +23,11 @@ from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
 from latolato.core.errors import Sentence
-from latolato.core.language import Language
+from latolato.core.language import speaking
 from latolato.io.analysis_tables import to_csv
 from latolato.io.files import load
 from latolato.scenario.analysis_options import options_of
+from marked_texts import MARKED, texts_of, unmarked
 from page_blocks import unpack
 
 HOME = "http://127.0.0.1:8000"
@@ -57,10 +55,7 @@ SMALL = {
     "drive_amplitude": "0.02 : 0.4 : 2 m",
     "frequency_ratio": "1.9 : 2.1 : 2",
 }
-# Units, names and functions, which are the same in every language.
-KNOWN = {"mm", "ms", "rad", "mJ", "Re", "Im", "ln", "Kapitza"}
 TIMES = "\N{MULTIPLICATION SIGN}"
-SVG = "{http://www.w3.org/2000/svg}"
 # What has no answer without contacts.
 OF_TWO = ("impact_map", "self_start", "pair_symmetry")
 # Closed forms: they need no compiled kernel.
@@ -140,31 +135,15 @@ def test_what_forms_begin_with_can_be_computed(name):
     assert "system" in AnalysisRequest.from_json(given).arguments()
 
 
-class Marked(dict):
-    """Texts of a language that puts each between marks."""
-
-    def get(self, text, default=None):
-        return f"⟨{text}⟩"
-
-
-def unmarked_words(texts):
-    """Return the words of texts outside the marks of `Marked`, mathematics and units."""
-    text = re.sub(r"\$[^$]*\$|\[[^]]*\]", " ", " ".join(texts))
-    while (inner := re.sub(r"⟨[^⟨⟩]*⟩", " ", text)) != text:
-        text = inner
-    return set(re.findall(r"[A-Za-z]{2,}", text)) - KNOWN
-
-
 @pytest.mark.parametrize("name", analyses)
-def test_every_analysis_answers_in_the_language_of_the_page(name, tmp_path, monkeypatch):
-    monkeypatch.setattr(answer, "language_of", lambda code: Language(Marked(), ","))
+def test_every_analysis_answers_in_the_language_of_the_page(name, tmp_path):
     given = {"analysis": name, "options": {"duration": "6 s"}, "settings": small(name)}
     if name == "pair_symmetry":
         given["settings"] |= {"duration": "9", "transient": "3"}
     scenario = "toy" if name in OF_TWO else "fig02"
-    with warnings.catch_warnings(record=True) as caught:
+    with warnings.catch_warnings(record=True) as caught, speaking(MARKED):
         warnings.simplefilter("always", RuntimeWarning)
-        told, files = compute({**given, "scenario": scenario, "language": "id"}, tmp_path, print)
+        told, files = compute({**given, "scenario": scenario}, tmp_path, print)
     # Pages translate a sentence by its rule.
     doubts = [each.message.args[0] for each in caught if each.category is RuntimeWarning]
     assert [each for each in doubts if not isinstance(each, Sentence)] == []
@@ -181,12 +160,9 @@ def test_every_analysis_answers_in_the_language_of_the_page(name, tmp_path, monk
     assert not any("_" in label for label, _ in told["lines"])
     assert files["png"].tobytes().startswith(b"\x89PNG")
     assert f"# analysis: {name}" in files["csv"].tobytes().decode()
-    picture = ElementTree.fromstring(files["svg"].tobytes())
-    texts = ["".join(each.itertext()) for each in picture.iter(f"{SVG}text")]
+    texts = texts_of(files["svg"].tobytes())
     assert len(texts) > 5
-    rows = [text for row in told["lines"] for text in row]
-    assert unmarked_words([*texts, *rows]) == set()
-    assert not [each for each in (*texts, *rows) if re.search(r"\d\.\d", each)]
+    assert unmarked([*texts, *(text for row in told["lines"] for text in row)]) == set()
 
 
 def test_a_two_stage_start_that_cannot_help_says_why_and_shows_where_pushes_lead(tmp_path):

@@ -10,6 +10,8 @@ import latolato as ll
 from app_pages import download, open_view
 from latolato.app.downloads import FPS, compute
 from latolato.app.run_request import RunRequest
+from latolato.core.language import speaking
+from marked_texts import MARKED, texts_of, unmarked
 
 # A pair whose balls touch, in units that are not SI.
 RUN = {"scenario": "fig04a_push", "options": {"duration": "2 s", "length": "90 cm"}}
@@ -38,6 +40,17 @@ def test_pictures_are_pictures(tmp_path):
     assert about["type"] == "image/svg+xml"
     assert text.startswith("<?xml")
     assert text.rstrip().endswith("</svg>")
+
+
+@pytest.mark.parametrize(
+    "scenario", ["fig02", "toy", "ballpair_asymmetric", "toy_strings", "fig04a_clamp"]
+)
+def test_every_text_of_a_picture_is_in_the_language_of_the_page(scenario, tmp_path):
+    with speaking(MARKED):
+        _, arrays = compute({"kind": "svg", "scenario": scenario}, tmp_path, print)
+    texts = texts_of(arrays["file"].tobytes())
+    assert len(texts) > 20
+    assert unmarked(texts) == set()
 
 
 @pytest.mark.parametrize(
@@ -109,3 +122,10 @@ def test_a_second_file_is_made_after_the_first(page):
     page.get_by_text("PNG is made next, after the file before it.").wait_for()
     page.get_by_text("Stored latolato_fig04a_push.png.").wait_for()
     assert made == ["latolato_fig04a_push.svg", "latolato_fig04a_push.png"]
+
+
+def test_a_page_gets_pictures_in_its_language(page, tmp_path):
+    open_view(page, "&scenario=fig04a_push&duration=2 s&lang=id")
+    page.get_by_text("Unduh", exact=True).click()
+    path = download(page.get_by_role("button", name="SVG"), tmp_path)
+    assert "Sudut dan kontak" in texts_of(path.read_bytes())

@@ -12,6 +12,7 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Iterator, Mapping
+from itertools import chain
 from pathlib import Path
 from typing import Any
 
@@ -32,10 +33,13 @@ from latolato.core.rules import RULES
 from latolato.experiment.fits.decay import LAWS
 from latolato.experiment.fits.result import quantity_of
 from latolato.experiment.rules import RULES as OF_MEASUREMENTS
+from latolato.figures.map_title import OF_VARIABLE
+from latolato.figures.run import ENERGIES, LEDGER
 from latolato.io.tables.cells import DELIMITER_NAMES
 from latolato.io.tables.kinds import KINDS
 from latolato.io.tables.rules import RULES as OF_TABLES
 from latolato.physics.problems import PROBLEMS
+from latolato.simulation.record import WHOSE
 
 NODE = Path(sys.executable).parent / "node"
 ENGLISH = STATIC / "languages" / "en.json"
@@ -69,12 +73,14 @@ RESULTS = (
     "slackens", "stable", "symmetry breaking", "taut", "top", "torus", "transient", "undecided",
     "unresolved", "unstable", "up", "valid", "without value", "yes", "no", "unknown",
 )  # fmt: skip
-# Quantities that analyses return, and what their code calls others by parts.
+# Quantities that analyses return, and what code calls others by parts.
 RETURNED = (
     "angle", "angular_velocity", "angular_velocity_after", "distance", "growth_rate",
     "radial_velocity", "slack", "threshold_angle", "time", "dwell_time",
 )  # fmt: skip
 COMPOSED = (
+    *WHOSE,
+    *(name.replace("_", " ") for name in (*ENERGIES, *LEDGER, *chain(*OF_VARIABLE.values()))),
     "drive phase at the next impact", "drive periods after the transient",
     *(f"first push ({push})" for push in ("angular velocity", "angle")),
     *(f"share of {cells}{end}" for cells in ("all cells", "the cells not at rest")
@@ -163,7 +169,7 @@ def texts_of_analyses() -> Iterator[str]:
 
 
 def texts_of_results() -> Iterator[str]:
-    """Yield what tables and pictures of analyses say."""
+    """Yield what tables of analyses, and pictures, say."""
     for path in STATIC.parents[1].rglob("*.py"):
         for call in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
             if isinstance(call, ast.Call) and isinstance(call.func, ast.Name):

@@ -14,6 +14,8 @@ from latolato.app.downloads import TYPES
 from latolato.app.map import files, stored
 from latolato.app.server import Settings, make_app
 from latolato.core.errors import InputError
+from latolato.core.language import speaking
+from marked_texts import MARKED, texts_of, unmarked
 
 HOME = "http://127.0.0.1:8000"
 AXES = {"drive_amplitude": [0.05, 0.25, 0.45], "frequency_ratio": [0.5, 1.5, 2.5, 3.5]}
@@ -85,6 +87,23 @@ def test_a_picture_of_a_map_has_axes_colour_bar_curves_and_contours(tmp_path):
     assert text.count('style="fill: none') - without.decode().count('style="fill: none') >= 4
     _, png = made({**OWN, "kind": "png"}, tmp_path)
     assert png.startswith(b"\x89PNG")
+
+
+@pytest.mark.parametrize("observable", ["mean_energy", "contact_word", "motion_class", "status"])
+def test_every_text_of_a_picture_of_a_map_is_in_the_language_of_the_page(observable, tmp_path):
+    observables = [{"kind": kind} for kind in ("mean_energy", "contact_word", "motion_class")]
+    request = {
+        "options": OWN["options"] | {"suspension": "string", "drag_frame": "lab"},
+        "sweep": OWN["sweep"] | {"observables": observables},
+        "observable": observable, "kind": "svg", "overlays": ["tongue", "lift_off"],
+        "contours": {"observable": "mean_energy", "levels": [0.25, 2.5]},
+        "trials": TRIALS + "900 mm,2,weak\n", "log": True,
+    }  # fmt: skip
+    with speaking(MARKED):
+        _, svg = made(request, tmp_path)
+    texts = texts_of(svg)
+    assert len(texts) > 20
+    assert unmarked(texts) == set()
 
 
 @pytest.mark.parametrize(

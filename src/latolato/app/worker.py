@@ -17,8 +17,10 @@ from typing import Any
 
 from numpy.typing import NDArray
 
+from latolato.app.languages import language_of
 from latolato.core.errors import InputError
 from latolato.core.faults import line_of
+from latolato.core.language import speaking
 from latolato.io.progress import compiling
 
 # Header and arrays of a block for the page: see `latolato.app.blocks`.
@@ -38,6 +40,8 @@ _PAUSE = 0.1
 def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     """Return the result of a job, with its warnings in the header.
 
+    It is presented in the `language` of the page that asks, by its code.
+
     Raises
     ------
     InputError
@@ -50,6 +54,7 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     try:
         with (
             warnings.catch_warnings(record=True) as caught,
+            speaking(language_of(request.get("language", "en"))),
             compiling(lambda: report("compiling"), lambda: report("working")),
         ):
             warnings.simplefilter("always", RuntimeWarning)

@@ -12,6 +12,7 @@ import numpy as np
 
 from latolato.core.atomic import atomic_path, check_folder, checked_path
 from latolato.core.errors import InputError, import_extra
+from latolato.core.language import local, tr
 from latolato.core.quantities import Range
 from latolato.core.registry import checked_number, in_unit
 from latolato.figures import style
@@ -81,7 +82,8 @@ def animate(
     if suffix == ".gif":
         pause = Fraction(max(2, round(100 * pause)), 100)  # s; most viewers slow down below 20 ms
     write = _write_gif if suffix == ".gif" else _write_mp4
-    frames = _frames(run, SIZES[suffix], float(pause) * speed, f"speed {speed:g}", progress)
+    note = tr("speed {speed}", speed=f"{speed:g}")
+    frames = _frames(run, SIZES[suffix], float(pause) * speed, note, progress)
     with atomic_path(path) as unfinished:
         write(frames, SIZES[suffix], pause, unfinished)
     return path
@@ -183,7 +185,7 @@ class Scene:
             string = string_points(x, y, self._lengths[name])
             self._rods[name].set_data(across + string[0], height + string[1])
             self._balls[name].set_center((across + x, height + y))
-        self._clock.set_text(f"t = {instant:.2f} s")
+        self._clock.set_text(local(f"t = {instant:.2f} s"))
         self._cursor.set_xdata([instant, instant])
         half = 0.5 * self._window
         first, last = np.searchsorted(self._time, [instant - half, instant + half])
@@ -261,7 +263,7 @@ class Scene:
         part.set_ylim(whole.get_ylim())
         part.axvline(0.0, color=style.INK, lw=style.LINE)
         style.show_unit(part.yaxis, run["angle"], short=True)
-        part.set_xlabel(f"time from now [{run['time'].attrs['units']}]")
+        part.set_xlabel(f"{tr('time from now')} [{run['time'].attrs['units']}]")
         for name in self._angles:
             (line,) = part.plot([], [], color=colours[name])
             self._zoomed[name] = self._add(part, line)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.analysis.boundary import contour_lines
+from latolato.core.language import tr
 from latolato.core.quantities import in_brackets
 from latolato.figures import style
 
@@ -141,7 +142,13 @@ def draw(axes: Axes, lines: Sequence[Line], unit: tuple[str, float], label: str)
         )
         text.set_path_effects([Stroke(linewidth=2.2, foreground=style.PAPER), Normal()])
     tail = in_brackets(style.pretty_unit(unit[0]))
-    return Line2D([], [], color=style.INK, lw=0.8, label=f"equal {label}{tail}")
+    return Line2D(
+        [],
+        [],
+        color=style.INK,
+        lw=0.8,
+        label=tr("equal {quantity}", quantity=style.named(label)) + tail,
+    )
 
 
 def _fits(place: Any, others: Sequence[Any]) -> bool:

@@ -145,7 +145,7 @@ def _select(
         if name in grid.coords and coordinate.dtype.kind != "U":
             selection[name] = in_words(grid, name, float(grid[name]))
         else:
-            selection[name] = f"{name} {value}"
+            selection[name] = f"{spoken(name)} {tr(str(value))}"
     return grid, selection
 
 

@@ -21,7 +21,7 @@ _PARAMETERS = (
     *("connecting_rod_length", "frequency_ratio", "drive_frequency", "duration", "transient"),
 )
 # Parameters of observables, which the lines name with these only.
-_OF_VARIABLE = {
+OF_VARIABLE = {
     "crossings": ("crossing_angle",),
     "motion_class": ("strong_angle", "weak_angle"),
     "self_start": ("least_motion",),
@@ -44,7 +44,7 @@ def title_of(grid: xr.Dataset, selection: Mapping[str, str], variable: str) -> l
         words.append(tr("in air at rest in the room"))
     targets = {"drive_amplitude": marks.AMPLITUDES, "drive_frequency": marks.FREQUENCIES}
     others = []
-    for name in (*_PARAMETERS, *_OF_VARIABLE.get(variable, ())):
+    for name in (*_PARAMETERS, *OF_VARIABLE.get(variable, ())):
         value = attributes.get(name)
         if not isinstance(value, (int, float)) or name in selection or name in varied:
             continue

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
+from latolato.core.language import tr
 from latolato.core.parameters import law_parameters
 from latolato.core.registry import first_difference, suggest
 from latolato.core.rules import broken_rule
@@ -203,9 +204,14 @@ def draw(axes: Axes, context: Context, name: str) -> Any:
     name = name.replace("-", "_")
     x, y = curve(context, name, axes.get_xlim(), axes.get_ylim())
     if name == "tongue":
-        text = "Mathieu tongue (theory)" + (", linear drag only" if context.other_drag else "")
+        text = tr(
+            "Mathieu tongue (theory), linear drag only"
+            if context.other_drag
+            else "Mathieu tongue (theory)"
+        )
         return _line(axes, x, y, text, (0, ()))
-    return _line(axes, x, y, r"lift-off from rest ($A_0\omega^2 = g$)", (0, (4, 2)))
+    text = tr("lift-off from rest")
+    return _line(axes, x, y, rf"{text} ($A_0\omega^2 = g$)", (0, (4, 2)))
 
 
 def curve(
@@ -339,7 +345,11 @@ def draw_points(axes: Axes, context: Context, path: str | Path) -> list[Any]:
             continue
         x, y = context.place(trials["drive_amplitude"].values[chosen], frequency[chosen])
         outside = int(np.sum((x < left) | (x > right) | (y < bottom) | (y > top)))
-        text = f"trial, {name}" + (f" ({outside} of {count} outside)" if outside else "")
+        text = tr("trial, {kind}", kind=tr(name))
+        if outside:
+            text = tr(
+                "{trial} ({outside} of {count} outside)", trial=text, outside=outside, count=count
+            )
         handles.append(
             axes.scatter(
                 x,

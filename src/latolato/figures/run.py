@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from latolato.core.language import spoken, tr
 from latolato.core.quantities import QUANTITIES
 from latolato.figures import style
 from latolato.figures.curves import OF_STRINGS, with_contacts
@@ -59,7 +60,7 @@ def ball_angles(run: xr.Dataset, name: str = "angle") -> dict[str, Floats]:
 
 def _words(ball: str) -> str:
     """Return the name of a ball in a legend."""
-    return ball if ball == "ball" else f"{ball} ball"
+    return {"right": tr("right ball"), "left": tr("left ball")}.get(ball) or tr("ball")
 
 
 def draw_angles(axes: Axes, run: xr.Dataset) -> None:
@@ -113,10 +114,10 @@ def draw_run(run: xr.Dataset) -> Figure:
     axes["pivot"].set_xlabel(style.label(run["time"]))
     titles = {
         "angles": _angles_title(run),
-        "distances": "Distance from the pivot (shaded while the string is slack)",
-        "energies": f"Energies{_whose(run)}",
-        "ledger": f"Ledger{_whose(run)}",
-        "pivot": "Pivot",
+        "distances": tr("Distance from the pivot (shaded while the string is slack)"),
+        "energies": _of_balls(tr("Energies"), run),
+        "ledger": _of_balls(tr("Ledger"), run),
+        "pivot": tr("Pivot"),
     }
     for letter, name in zip("abcde", rows, strict=False):
         style.panel_title(axes[name], letter, titles[name])
@@ -188,10 +189,10 @@ def _draw_distances(axes: Axes, run: xr.Dataset, curves: xr.Dataset) -> None:
 
 def _draw_pivot(axes: Axes, run: xr.Dataset) -> None:
     """Draw the pivot's height over time, and its way to the right if it has one."""
-    axes.plot(run["time"], run["pivot_height"], color=style.INK, label="upwards")
+    axes.plot(run["time"], run["pivot_height"], color=style.INK, label=tr("upwards"))
     style.show_unit(axes.yaxis, run["pivot_height"], short=True)
     if "pivot_across" in run and np.nanmax(np.abs(run["pivot_across"].values), initial=0.0) > 0.0:
-        axes.plot(run["time"], run["pivot_across"], color=style.GREEN, label="to the right")
+        axes.plot(run["time"], run["pivot_across"], color=style.GREEN, label=tr("to the right"))
         axes.set_ylabel("")
         style.show_unit(axes.yaxis, run["pivot_height"].assign_attrs(symbol="x_0, y_0"), short=True)
         _legend(axes)
@@ -215,7 +216,7 @@ def _draw_contacts(axes: Axes, run: xr.Dataset) -> None:
                     s=_MARK_SIZE,
                     linewidths=0.0,
                     zorder=3,
-                    label=None if i else f"{kind} ({count})",
+                    label=None if i else f"{tr(kind)} ({count})",
                     marker=marker,
                     color=colour,
                 )
@@ -230,9 +231,9 @@ def _draw_curves(axes: Axes, run: xr.Dataset, curves: dict[str, str]) -> None:
             continue
         values = _of_all(run, name)
         if name in ENERGIES or np.nanmax(np.abs(values), initial=0.0) > visible:
-            text = f"{name.replace('_', ' ')} ${QUANTITIES[name].symbol}$"
+            text = f"{spoken(name)} ${QUANTITIES[name].symbol}$"
             axes.plot(run["time"], values, color=colour, lw=style.THIN, label=text)
-    axes.set_ylabel(f"energy [{QUANTITIES['total_energy'].unit}]")
+    axes.set_ylabel(f"{tr('energy')} [{QUANTITIES['total_energy'].unit}]")
     _legend(axes)
 
 
@@ -240,12 +241,12 @@ def _draw_balance(axes: Axes, run: xr.Dataset) -> None:
     """Draw the energy gained since the start and write how well the ledger closes."""
     energy = _of_all(run, "total_energy")
     axes.plot(
-        run["time"], energy - energy[0], color=style.INK, lw=style.THIN, label="energy gained"
+        run["time"], energy - energy[0], color=style.INK, lw=style.THIN, label=tr("energy gained")
     )
     _legend(axes)
     if "energy_residual" in run.attrs:
         axes.annotate(
-            f"closes to {run.attrs['energy_residual']:.1e} J",
+            tr("closes to {residual}", residual=f"{run.attrs['energy_residual']:.1e} J"),
             xy=(0.0, 1.0),
             xycoords="axes fraction",
             xytext=(3, -2),
@@ -264,15 +265,16 @@ def _of_all(run: xr.Dataset, name: str) -> Floats:
 def _angles_title(run: xr.Dataset) -> str:
     """Return the title of the angles, which warns of the clamp."""
     if run.attrs.get("contact") == "clamp":
-        return "Angles (a fixed-step artefact)"
-    return "Angles and contacts" if len(ball_angles(run)) > 1 else "Angle"
+        return tr("Angles (a fixed-step artefact)")
+    return tr("Angles and contacts" if len(ball_angles(run)) > 1 else "Angle")
 
 
-def _whose(run: xr.Dataset) -> str:
-    """Return whose energy is drawn."""
+def _of_balls(energies: str, run: xr.Dataset) -> str:
+    """Return the title of energies, with whose they are."""
     if "ball" in run.dims:
-        return " of both balls"
-    return " per ball" if run.attrs.get("system") == "latolato" else ""
+        return tr("{energies} of both balls", energies=energies)
+    is_mirrored = run.attrs.get("system") == "latolato"
+    return tr("{energies} per ball", energies=energies) if is_mirrored else energies
 
 
 def _legend(axes: Axes) -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from latolato.core.errors import InputError
-from latolato.core.language import tr
+from latolato.core.language import spoken, tr
 from latolato.figures import style
 
 if TYPE_CHECKING:
@@ -51,7 +51,7 @@ class Side:
         if self.words:
             return self.words[index]
         symbol = self.attributes.get("symbol", "")
-        head = f"${symbol}$" if symbol else self.name
+        head = f"${symbol}$" if symbol else spoken(self.name)
         unit = str(self.attributes.get("units", "1"))
         return f"{head} = {style.shown_value(self.name, float(self.values[index]), unit)}"
 
@@ -104,7 +104,11 @@ def side_of(grid: xr.Dataset, dim: str) -> Side:
     about = grid[name].attrs if name in grid.coords else {}
     others = [str(n) for n, c in grid.coords.items() if c.dims == (dim,) and n != name]
     if others:
-        long_name = f"{about.get('long_name', name)} (and {', '.join(others)})"
+        long_name = tr(
+            "{name} (and {others})",
+            name=tr(str(about.get("long_name", name))),
+            others=", ".join(map(spoken, others)),
+        )
         about = {**about, "long_name": long_name}
     return Side(dim, values, about, name, is_log, words)
 

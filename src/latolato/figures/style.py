@@ -19,6 +19,7 @@ from latolato.core.errors import InputError
 from latolato.core.language import local, tr
 from latolato.core.quantities import QUANTITIES, quantity_of
 from latolato.io.shown_units import SIZES
+from latolato.simulation.record import WHOSE
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -227,12 +228,18 @@ def label(variable: xr.DataArray, *, short: bool = False, unit: str = "") -> str
     name, symbol, units = (
         str(variable.attrs.get(key, "")) for key in ("long_name", "symbol", "units")
     )
-    words = [] if short and symbol else [tr(name)]
+    words = [] if short and symbol else [named(name)]
     if symbol:
         words.append(f"${symbol}$")
     if units not in ("", "1"):
         words.append(f"[{unit or pretty_unit(units)}]")
     return " ".join(word for word in words if word)
+
+
+def named(long_name: str) -> str:
+    """Return the name of a quantity, and whose it is, in the language that is spoken."""
+    what, _, whose = long_name.rpartition(", ")
+    return f"{tr(what)}, {tr(whose)}" if whose in WHOSE else tr(long_name)
 
 
 def label_of(name: str) -> str:

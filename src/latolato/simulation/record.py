@@ -45,8 +45,9 @@ _LABELS = {
     "parameter": Quantity("1", "", "parameter of the derivatives"),
     "parameter_unit": Quantity("1", "", "its unit"),
 }
-# Variables whose long name adds whether they belong to one ball or to both.
+# Variables whose long name adds whether they belong to one ball or to both, and these words.
 _OF_BALLS = {*BALL_ROWS, "total_energy", *LEDGER}
+WHOSE = ("per ball", "both balls")
 # Variables whose long name says what the ball hangs on.
 _OF_RODS = ("tension", "rod_power")
 
@@ -101,7 +102,7 @@ class Record:
                 attrs["long_name"] = attrs["long_name"].replace("of the rod", "of the string")
             if (two or isinstance(self.system, LatoLato)) and name in _OF_BALLS:
                 of_both = two and name in LEDGER
-                attrs["long_name"] += ", both balls" if of_both else ", per ball"
+                attrs["long_name"] += f", {WHOSE[of_both]}"
             yield Variable(name, dimensions, np.asarray(values), attrs)
 
     def to_dataset(self) -> xr.Dataset:

@@ -16,7 +16,7 @@ from latolato.core.versions import version_of
 from latolato.numerics.records import STATUS_NAMES
 from latolato.physics.drives import drives
 from latolato.physics.pendulum import LatoLato, systems
-from latolato.simulation.record import BALL, BALLS
+from latolato.simulation.record import BALL, BALLS, WHOSE
 from latolato.simulation.vary import DERIVED, parameters_of
 from latolato.sweeps.chunk import STATUS, Values, status_counts
 from latolato.sweeps.plan import Plan
@@ -73,7 +73,7 @@ def attributes_of_variables(plan: Plan) -> dict[str, dict[str, Any]]:
         result[name] = quantity.attributes
         if per_ball and name in energies:
             both = plan.system.angles == 2 and name in joint
-            result[name]["long_name"] += ", both balls" if both else ", per ball"
+            result[name]["long_name"] += f", {WHOSE[both]}"
     result["ball"] = BALL.attributes
     result["direction"] = Quantity("1", "", "way along the continuation").attributes
     result[STATUS] = {

@@ -8,10 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from latolato.app.analyse.request import AnalysisRequest
 from latolato.app.blocks import content_of
-from latolato.app.languages import language_of
 from latolato.app.worker import Result
 from latolato.core.errors import InputError
-from latolato.core.language import speaking, spoken
+from latolato.core.language import spoken
 from latolato.io.analysis_tables import to_csv
 
 if TYPE_CHECKING:
@@ -41,17 +40,15 @@ def compute(request: Mapping[str, Any], folder: Path, progress: Callable[[float]
     if "message" in result.attrs:
         message = notes[notes.index(result.attrs["message"])]
         warnings.warn(message, RuntimeWarning, stacklevel=1)
-    with speaking(language_of(request.get("language", "en"))):
-        try:
-            figure = plot(result)
-        except InputError as error:  # without a picture
-            warnings.warn(str(error), RuntimeWarning, stacklevel=1)
-        else:
-            save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
-            save_figure(figure, folder / "result.svg")
-        lines = numbers_of(result)
+    try:
+        figure = plot(result)
+    except InputError as error:  # without a picture
+        warnings.warn(str(error), RuntimeWarning, stacklevel=1)
+    else:
+        save_figure(figure, folder / "result.png", dpi=_PICTURE_DPI)
+        save_figure(figure, folder / "result.svg")
     about = {
-        "analysis": asked.name, "lines": lines,
+        "analysis": asked.name, "lines": numbers_of(result),
         "python": asked.python(arguments), "command": asked.command(),
         "points": result.sizes.get("point"),
     }  # fmt: skip

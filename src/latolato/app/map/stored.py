@@ -15,6 +15,7 @@ from latolato.app.jobs import Job
 from latolato.app.run_request import TooLargeError, options_of
 from latolato.app.worker import Result
 from latolato.core.errors import InputError
+from latolato.core.language import local, tr
 from latolato.core.parameters import law_parameters
 from latolato.core.quantities import Quantity, quantity_of
 from latolato.core.registry import describe, suggest
@@ -239,11 +240,13 @@ def _description(grid: xr.Dataset, drawing: Drawing) -> str:
     """A map's caption, symbols as TeX: fixed parameters, points, the version that computed it."""
     height, width = drawing.values.shape
     missing = int(np.sum(drawing.status < 0))
-    parts = [*drawing.title, f"{width} by {height} points"]
+    parts = [*map(local, drawing.title)]
+    parts.append(tr("{width} by {height} points", width=width, height=height))
     if missing:
-        parts.append(f"{missing} of them not computed")
-    version = grid.attrs.get("latolato_version")
-    return ", ".join([*parts, *([f"computed by latolato {version}"] if version else [])]) + "."
+        parts.append(tr("{count} of them not computed", count=missing))
+    if version := grid.attrs.get("latolato_version"):
+        parts.append(f"{tr('computed by latolato')} {version}")
+    return ", ".join(parts) + "."
 
 
 def _dims(grid: xr.Dataset, variable: str) -> list[str]:

@@ -10,7 +10,7 @@ import { leaveOut } from "../page/link_parts.js";
 import { inPagesWords } from "../page/refusals.js";
 import { FIRST } from "../page/state.js";
 import { inWords } from "../page/option_labels.js";
-import { languageCode, t, tr } from "../strings.js";
+import { t, tr } from "../strings.js";
 import { ResultCard } from "./result.js";
 import { ArgumentForm } from "./arguments.js";
 import { openOverMap } from "./over_map.js";
@@ -91,7 +91,7 @@ export class AnalyseView {
 
   /** What Compute asks the server for. */
   get question() {
-    return { ...this.request, analysis: this.what, settings: this.own.values, language: languageCode() };
+    return { ...this.request, analysis: this.what, settings: this.own.values };
   }
 
   show() {

@@ -1,6 +1,6 @@
 /** Long work on the server: how far it is, how it is cancelled, and what comes of it. */
 
-import { t } from "../strings.js";
+import { languageCode, t } from "../strings.js";
 import { hangUp, Refusal, socketAddress } from "./api.js";
 import { unpack } from "./block.js";
 import { el, notify } from "./dom.js";
@@ -13,7 +13,7 @@ import { sentenceOfError } from "./refusals.js";
 const PATIENCE = 1; // s
 
 /**
- * Return the block that a job ends with; a Refusal is thrown where the server gives a reason, and
+ * Return the block that a job ends with, presented in the language of the page; a Refusal is thrown where the server gives a reason, and
  * an AbortError where the signal ends the job.
  * @param {string} path
  * @param {any} request
@@ -34,7 +34,7 @@ export function doJob(path, request, { notify, signal } = {}) {
     };
     signal?.addEventListener("abort", abort, { once: true });
     socket.addEventListener("open", () => {
-      if (!signal?.aborted) socket.send(JSON.stringify(request));
+      if (!signal?.aborted) socket.send(JSON.stringify({ ...request, language: languageCode() }));
     });
     socket.addEventListener("message", ({ data }) => {
       if (data instanceof ArrayBuffer) resolve(unpack(data));
