@@ -19,6 +19,7 @@ from latolato.analysis import analyses
 from latolato.app.analyse.answer import compute, numbers_of
 from latolato.app.analyse.forms import about_request, forms, label_of
 from latolato.app.analyse.request import AnalysisRequest
+from latolato.app.answers import message_of
 from latolato.app.run_request import RunRequest
 from latolato.app.server import Settings, make_app
 from latolato.cli.main import app as command_line
@@ -186,6 +187,31 @@ def test_an_analysis_of_contacts_is_refused_for_a_pendulum_in_one_line(client, n
     text = json.loads(ask(client, given)[-2]["text"])["error"]
     assert "\n" not in text
     assert "Pendulum" in text or "pendulum" in text
+
+
+@pytest.mark.parametrize("scenario", ["toy", "fig02", "fig02_mathieu", "fig12", "toy_strings"])
+def test_what_an_analysis_cannot_treat_is_known_before_anybody_asks(scenario, tmp_path):
+    refused = about_request(RunRequest(scenario, {}))["refused"]
+    assert 0 < len(refused) < len(analyses)
+    for name, message in refused.items():
+        needed = {"frequency_ratio": "2", "drive_amplitude": "0.02"}
+        settings = {n: v for n, v in needed.items() if n in forms()[name]["options"]}
+        given = {"analysis": name, "scenario": scenario, "settings": settings | small(name)}
+        with pytest.raises(ll.InputError) as caught:
+            compute(given, tmp_path, print)
+        assert message_of(caught.value) == message
+
+
+def test_a_page_says_at_once_what_an_analysis_cannot_treat(page):
+    page.goto("/?view=analyse&scenario=toy&analyse.what=tongue_edges&analyse.ask=1")
+    refusal = page.get_by_text("balls with a radius touch before they hang straight down")
+    refusal.wait_for()
+    assert refusal.count() == 1
+    compute_button = page.get_by_role("button", name="Compute")
+    assert not compute_button.is_visible()
+    page.get_by_label("Analysis", exact=True).select_option("basins")
+    compute_button.wait_for()
+    assert not refusal.is_visible()
 
 
 def test_an_analysis_of_contacts_works_for_a_pair(tmp_path):

@@ -51,7 +51,7 @@ _INSIDE = 1e-9
 _OF_ATTRACTORS = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
-@analyses.register("basins")
+@analyses.register("basins", checked_periodic)
 def basins(
     system: System,
     drive: Drive | None = None,

@@ -28,6 +28,7 @@ from latolato.analysis.flow import (
     drive_period,
     named_value,
     parameter_of,
+    periodic_drive,
 )
 from latolato.analysis.orbits import (
     CLOSED,
@@ -77,7 +78,7 @@ _BESIDE = (0.0, 3e-4, 3e-3)
 _NEAR = 0.05
 
 
-@analyses.register("bifurcation_curve")
+@analyses.register("bifurcation_curve", check_vertical, periodic_drive)
 def bifurcation_curve(
     system: System,
     drive: Drive | None = None,
@@ -181,7 +182,6 @@ def bifurcation_curve(
     >>> print(tongue.status.item(), tongue.frequency_ratio.values[[0, -1]].round(4).tolist())
     complete [1.8306, 2.2]
     """
-    check_vertical(drive)
     if at is None:
         period = period or 1
     else:

@@ -42,7 +42,7 @@ _FREQUENCIES = ("drive_frequency", "frequency_ratio")
 _KEPT = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
-@analyses.register("bifurcation_diagram")
+@analyses.register("bifurcation_diagram", checked_periodic, check_rods)
 def bifurcation_diagram(
     system: System,
     drive: Drive | None = None,
@@ -130,7 +130,6 @@ def bifurcation_diagram(
     array(['rest', 'periodic'], dtype='<U12')
     """
     drive = checked_periodic(system, drive)
-    check_rods(system)
     known = {n: p for n, p in parameters_of(system, drive).items() if p.owner != "run"}
     known.pop("drive_phase", None)
     if parameter not in known:

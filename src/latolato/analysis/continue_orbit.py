@@ -13,7 +13,14 @@ from latolato.analysis.branch import BISECTIONS, LONGEST_STEP, Branch, Place
 from latolato.analysis.checks import check_span, check_vertical
 from latolato.analysis.conditions import NEARLY, closing_maps
 from latolato.analysis.floquet import doubts_about
-from latolato.analysis.flow import Floats, checked_flow, named_value, parameter_of, value_of
+from latolato.analysis.flow import (
+    Floats,
+    checked_flow,
+    named_value,
+    parameter_of,
+    periodic_drive,
+    value_of,
+)
 from latolato.analysis.orbits import (
     CLOSED,
     PERIODS,
@@ -61,7 +68,7 @@ _AT_END = 1e-6
 _SAME = 1e-4
 
 
-@analyses.register("continue_orbit")
+@analyses.register("continue_orbit", check_vertical, periodic_drive)
 def continue_orbit(
     system: System,
     drive: Drive | None = None,
@@ -156,7 +163,6 @@ def continue_orbit(
     >>> print(branch.special_kind.values, branch.special_value.values.round(6))
     ['period_doubling'] [1.909946]
     """
-    check_vertical(drive)
     leaves = False
     if at is None:
         period = period or 1

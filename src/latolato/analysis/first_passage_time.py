@@ -91,7 +91,7 @@ def censored_mean(waited: float, events: int) -> Lifetime:
     return Lifetime(mean, mean / math.sqrt(events), low, high, events)
 
 
-@analyses.register("first_passage_time")
+@analyses.register("first_passage_time", checked_system)
 def first_passage_time(
     system: System,
     drive: Drive | None = None,
@@ -171,7 +171,6 @@ def first_passage_time(
     >>> result.sizes["trajectory"], bool(result.passage_fraction > 0.5)
     (50, True)
     """
-    system = checked_system(system)
     kicks = VelocityKicks(
         noise_strength=noise_strength, noise_seed=noise_seed, noise_interval=noise_interval
     )

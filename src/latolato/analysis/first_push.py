@@ -34,7 +34,7 @@ _CUTS = 8
 _FASTEST, _WIDEST = 3.0, 1.0
 
 
-@analyses.register("first_push")
+@analyses.register("first_push", checked_periodic)
 def first_push(
     system: System,
     drive: Drive | None = None,

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import numpy as np
 
-from latolato.analysis.flow import Floats, checked_flow, drive_period
+from latolato.analysis.flow import Floats, checked_flow, drive_period, periodic_drive
 from latolato.analysis.orbits import (
     CLOSED,
     GRAZING_SPEED,
@@ -57,7 +57,7 @@ _DETERMINANT_LIMIT, _DIFFERENCE_LIMIT = 1e-8, 1e-4
 _NUDGE = 1e-6
 
 
-@analyses.register("floquet")
+@analyses.register("floquet", periodic_drive)
 def floquet(
     system: System,
     drive: Drive | None = None,

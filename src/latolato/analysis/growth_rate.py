@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Any, Literal
 
-from latolato.analysis.linear import SLOWEST, linearised
+from latolato.analysis.linear import SLOWEST, check_linear, checked_template, linearised
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.rules import broken_analysis
 from latolato.core.quantities import Quantity
-from latolato.physics.drives import Drive, FixedPivot
+from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import checked_drive
 
@@ -17,7 +17,12 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@analyses.register("growth_rate")
+def _template_of(drive: Drive | None) -> PeriodicDrive:
+    """Return the drive whose waveform is meant; a `Harmonic` one for a pivot at rest."""
+    return checked_template(drive if checked_drive(drive).moves else None)
+
+
+@analyses.register("growth_rate", check_linear, _template_of)
 def growth_rate(
     system: System,
     drive: Drive | None = None,
@@ -70,7 +75,7 @@ def growth_rate(
     0.12505
     """
     is_static = not checked_drive(drive).moves
-    problem = linearised(system, None if is_static else drive, position)
+    problem = linearised(system, _template_of(drive), position)
     template: Any = problem.template
     w0, zeta = problem.natural_frequency, problem.damping_ratio
     w, amplitude = template.drive_frequency, template.drive_amplitude

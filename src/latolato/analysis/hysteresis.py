@@ -63,7 +63,7 @@ class _Sweep(NamedTuple):
     options: dict[str, Any]
 
 
-@analyses.register("hysteresis")
+@analyses.register("hysteresis", checked_nonlinear, check_rods, checked_vertical)
 def hysteresis(
     system: System,
     drive: Drive | None = None,
@@ -149,7 +149,6 @@ def hysteresis(
     >>> result.status.values.tolist(), result.jump_ratio.sel(direction="up").values.tolist()
     (['hysteresis'], [3.0])
     """
-    check_rods(checked_nonlinear(system))
     drive = checked_vertical(drive)
     ratios = increasing("frequency_ratio", frequency_ratio, np.linspace(*_DEFAULT_RATIOS))
     if len(ratios) < 2:

@@ -22,7 +22,13 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@analyses.register("impact_map")
+def check_walls(system: System) -> None:
+    """Raise InputError for a system without walls."""
+    if not system.has_contacts:
+        raise broken_analysis("walls_of_map", {"law": Word(type(system).__name__)})
+
+
+@analyses.register("impact_map", checked_periodic, check_walls)
 def impact_map(
     system: System,
     drive: Drive | None = None,
@@ -84,8 +90,6 @@ def impact_map(
     (1.0, array([5.91, 5.91, 5.91]))
     """
     drive = checked_periodic(system, drive)
-    if not system.has_contacts:
-        raise broken_analysis("walls_of_map", {"law": Word(type(system).__name__)})
     period = math.tau / drive.drive_frequency
     begin, end = transient_periods * period, (transient_periods + periods) * period
     run = simulate(

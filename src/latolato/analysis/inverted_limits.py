@@ -3,9 +3,17 @@
 from __future__ import annotations
 
 import math
+from functools import partial
 from typing import TYPE_CHECKING, Annotated
 
-from latolato.analysis.linear import RATIOS, Linear, linearised, waveform_of
+from latolato.analysis.linear import (
+    RATIOS,
+    Linear,
+    check_linear,
+    checked_template,
+    linearised,
+    waveform_of,
+)
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.analysis.roots import find_root
 from latolato.core.quantities import POSITIVE, Quantity
@@ -20,7 +28,7 @@ _BEGIN, _STEP = 0.2, 1.1
 _SCALE = 1.3
 
 
-@analyses.register("inverted_limits")
+@analyses.register("inverted_limits", partial(check_linear, position="inverted"), checked_template)
 def inverted_limits(
     system: System,
     drive: Drive | None = None,

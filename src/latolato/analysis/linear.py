@@ -211,14 +211,11 @@ def checked_template(drive: Drive | None) -> PeriodicDrive:
     return checked_vertical(drive)
 
 
-def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
-    """Return the linearised system.
+def check_linear(system: System, position: str = "hanging") -> None:
+    """Raise InputError where a system has no linear stability.
 
-    Raises
-    ------
-    InputError
-        Where there is no linear stability: a wall or friction at the position, a string that would
-        have to push; for drag relative to the room.
+    That is a wall or friction at the position, a string that would have to push, or drag relative
+    to the room.
     """
     checked_system(system)
     check_drag(system)
@@ -231,9 +228,13 @@ def linearised(system: System, drive: Drive | None, position: str = "hanging") -
             raise broken_analysis(
                 "linear_friction", parameter="coulomb_damping", value=ball.coulomb_damping
             )
-    ball = system.balls[0]
     if isinstance(system, (LatoLato, BallPair)):
         _check_no_wall(system, position)
+
+
+def linearised(system: System, drive: Drive | None, position: str = "hanging") -> Linear:
+    """Return the linearised system, one that `check_linear` allows."""
+    ball = system.balls[0]
     return Linear(
         length=ball.length,
         mass=ball.mass,

@@ -28,7 +28,7 @@ QUANTITIES = {
 }
 
 
-@analyses.register("lyapunov_spectrum")
+@analyses.register("lyapunov_spectrum", checked_system)
 def lyapunov_spectrum(
     system: System,
     drive: Drive | None = None,
@@ -93,7 +93,6 @@ def lyapunov_spectrum(
     """
     from latolato.sweeps import sweep
 
-    checked_system(system)
     if transient is None:
         transient = min(100.0, 0.1 * duration)
     drive = checked_drive(drive)

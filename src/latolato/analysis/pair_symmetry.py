@@ -15,7 +15,7 @@ from latolato.core.quantities import NON_NEGATIVE
 from latolato.observables import LargestAngleAfterTransient
 from latolato.observables.perturbations import TransverseExponent
 from latolato.physics.drives import Drive
-from latolato.physics.pendulum import BallPair, LatoLato
+from latolato.physics.pendulum import BallPair, LatoLato, System
 from latolato.simulation.start import DEFAULT_REST_SPEED, checked_drive
 from latolato.sweeps.statuses import has_answer
 
@@ -37,7 +37,13 @@ def as_pair(system: LatoLato) -> BallPair:
     return BallPair(right=ball, left=ball, **shared)
 
 
-@analyses.register("pair_symmetry")
+def check_mirrored(system: System) -> None:
+    """Raise InputError unless one ball stands for a mirror-symmetric pair."""
+    if not isinstance(system, LatoLato):
+        raise broken_analysis("mirror_symmetric", parameter="system", value=type(system).__name__)
+
+
+@analyses.register("pair_symmetry", check_mirrored, checked_drive)
 def pair_symmetry(
     system: LatoLato,
     drive: Drive | None = None,
@@ -105,8 +111,6 @@ def pair_symmetry(
     """
     from latolato.sweeps import sweep
 
-    if not isinstance(system, LatoLato):
-        raise broken_analysis("mirror_symmetric", parameter="system", value=type(system).__name__)
     driven = checked_drive(drive, system)
     start = single_start(system, initial_angle, initial_angular_velocity, initial_offset)
     angle, velocity = start.angles[0], start.velocities[0]

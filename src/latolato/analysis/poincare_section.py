@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@analyses.register("poincare_section")
+@analyses.register("poincare_section", checked_periodic)
 def poincare_section(
     system: System,
     drive: Drive | None = None,

@@ -37,10 +37,25 @@ class Analyses(Registry[Callable[..., Any]]):
     The result records them as attributes.
     """
 
-    def register(self, name: str) -> Callable[[Given], Given]:
-        """Return a decorator that adds a function under `name`, and returns the checked one."""
+    def __init__(self, kind: str) -> None:
+        super().__init__(kind)
+        self._checks: dict[str, tuple[Callable[..., Any], ...]] = {}
+
+    def register(self, name: str, *checks: Callable[..., Any]) -> Callable[[Given], Given]:
+        """Return a decorator that adds a function under `name`, and returns the checked one.
+
+        `checks` raise InputError for systems and drives that it cannot treat. Their parameters are
+        named as those of the function.
+        """
+        self._checks[name] = checks
         add = super().register(name)
         return lambda function: add(_checked_and_recorded(name, function))
+
+    def check(self, name: str, arguments: Mapping[str, Any]) -> None:
+        """Raise InputError for a system or a drive that an analysis cannot treat."""
+        for check in self._checks[name]:
+            known = signature(check).parameters
+            check(**{each: value for each, value in arguments.items() if each in known})
 
 
 def _checked_and_recorded(name: str, function: Any) -> Any:
@@ -73,6 +88,7 @@ def _checked_and_recorded(name: str, function: Any) -> Any:
                 parameter = replace(parameter, quantity=quantity)
             if value is not None or called.parameters[own].default is not None:
                 bound.arguments[own] = _checked(parameter, value)
+        analyses.check(name, bound.arguments)
         return recorded(name, function(*bound.args, **bound.kwargs), bound.arguments)
 
     return checked

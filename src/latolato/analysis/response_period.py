@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@analyses.register("response_period")
+@analyses.register("response_period", checked_periodic)
 def response_period(
     system: System,
     drive: Drive | None = None,

@@ -18,7 +18,7 @@ from latolato.analysis.checks import (
 from latolato.analysis.registry import analyses, labelled
 from latolato.analysis.stroboscopic import QUANTITIES_HERE, settled_cases, wilson_interval
 from latolato.core.quantities import NON_NEGATIVE, POSITIVE, Quantity
-from latolato.physics.drives import Drive, Harmonic
+from latolato.physics.drives import Drive, Harmonic, PeriodicDrive
 from latolato.physics.pendulum import System
 from latolato.simulation.start import DEFAULT_REST_SPEED
 
@@ -28,7 +28,13 @@ if TYPE_CHECKING:
 _MAPPED = ("response_period", "rotation_number", "mirror_residual", "largest_angle_watched")
 
 
-@analyses.register("response_period_map")
+def _checked(system: System, drive: Drive | None) -> PeriodicDrive:
+    """Return the drive that a map varies, by default a `Harmonic` one."""
+    usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
+    return checked_periodic(system, usual if drive is None else drive)
+
+
+@analyses.register("response_period_map", _checked)
 def response_period_map(
     system: System,
     drive: Drive | None = None,
@@ -99,8 +105,7 @@ def response_period_map(
     >>> result.response_period.values
     array([[1., 2.]])
     """
-    usual = Harmonic(drive_amplitude=0.0, drive_frequency=1.0)
-    drive = checked_periodic(system, usual if drive is None else drive)
+    drive = _checked(system, drive)
     amplitudes, ratios = np.array(drive_amplitude), np.array(frequency_ratio)
     check_no_repeat("drive_amplitude", amplitudes)
     check_no_repeat("frequency_ratio", ratios)

@@ -35,7 +35,27 @@ _SPREAD = 1.2
 _CONTACTS = 100
 
 
-@analyses.register("self_start")
+def resting_angles(system: System) -> tuple[float, ...]:
+    """Return the angles of the balls at rest against each other [rad].
+
+    Raises
+    ------
+    InputError
+        For balls that cannot touch or that nothing lifts, drag in the room, and strings of which
+        one would have to push.
+    """
+    check_drag(checked_system(system))
+    angles = hanging_angles(system)
+    if not system.has_contacts:
+        raise broken_analysis("wall_to_start", {"law": Word(type(system).__name__)})
+    if angles[0] == 0.0:
+        raise broken_analysis("lifting_radius")
+    if system.suspension == "string" and not hits_pull(system):
+        raise broken_analysis("alike_lengths", parameter="suspension", value=system.suspension)
+    return angles
+
+
+@analyses.register("self_start", resting_angles, checked_template)
 def self_start(
     system: System,
     frequency_ratio: Annotated[float, RATIOS],
@@ -127,26 +147,6 @@ def self_start(
         },
         settings=waveform_of(template),
     )
-
-
-def resting_angles(system: System) -> tuple[float, ...]:
-    """Return the angles of the balls at rest against each other [rad].
-
-    Raises
-    ------
-    InputError
-        For balls that cannot touch or that nothing lifts, drag in the room, and strings of which
-        one would have to push.
-    """
-    check_drag(checked_system(system))
-    angles = hanging_angles(system)
-    if not system.has_contacts:
-        raise broken_analysis("wall_to_start", {"law": Word(type(system).__name__)})
-    if angles[0] == 0.0:
-        raise broken_analysis("lifting_radius")
-    if system.suspension == "string" and not hits_pull(system):
-        raise broken_analysis("alike_lengths", parameter="suspension", value=system.suspension)
-    return angles
 
 
 def holding_friction(system: System, angles: tuple[float, ...]) -> float:

@@ -75,7 +75,16 @@ class _Search(NamedTuple):
     options: dict[str, Any]
 
 
-@analyses.register("shortest_protocol")
+def last_stage(drive: Drive | None) -> Any:
+    """Return the last segment of a drive's motion, a cosine."""
+    last = last_cosine(checked_drive(drive))
+    if last is None:
+        name = "no" if drive is None else f"a {drives.name_of(drive)}"
+        raise broken_analysis("drive_of_stages", {"law": name})
+    return last
+
+
+@analyses.register("shortest_protocol", checked_nonlinear, check_rods, check_vertical, last_stage)
 def shortest_protocol(
     system: System,
     drive: Drive | None = None,
@@ -167,8 +176,6 @@ def shortest_protocol(
     >>> result.status.item(), f"{np.rad2deg(result.upper_angle.item()):.0f} degrees"
     ('found', '42 degrees')
     """
-    check_rods(checked_nonlinear(system))
-    check_vertical(drive)
     w0 = system.natural_frequency
     amplitude, target = _drive_of(system, drive, frequency_ratio)
     low, high, count = _DEFAULT_FIRST
@@ -251,10 +258,7 @@ def _drive_of(
     system: System, drive: Drive | None, frequency_ratio: float | None
 ) -> tuple[float, float]:
     """Return amplitude [m] and target frequency [rad/s]."""
-    last = last_cosine(checked_drive(drive))
-    if last is None:
-        name = "no" if drive is None else f"a {drives.name_of(drive)}"
-        raise broken_analysis("drive_of_stages", {"law": name})
+    last = last_stage(drive)
     amplitude, target = last.c0, last.frequency
     if frequency_ratio is not None:
         target = frequency_ratio * system.natural_frequency

@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated
 
-from latolato.analysis.linear import RATIOS, linearised, threshold, waveform_of
+from latolato.analysis.linear import (
+    RATIOS,
+    check_linear,
+    checked_template,
+    linearised,
+    threshold,
+    waveform_of,
+)
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import POSITIVE
 from latolato.physics.drives import Drive
@@ -15,7 +22,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 
-@analyses.register("threshold_amplitude")
+@analyses.register("threshold_amplitude", check_linear, checked_template)
 def threshold_amplitude(
     system: System,
     drive: Drive | None = None,

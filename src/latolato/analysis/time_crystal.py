@@ -167,7 +167,7 @@ def sign_states(demodulated: Floats) -> NDArray[np.int8]:
     return result
 
 
-@analyses.register("time_crystal")
+@analyses.register("time_crystal", checked_system, checked_vertical)
 def time_crystal(
     system: System,
     drive: Drive | None = None,
@@ -261,7 +261,6 @@ def time_crystal(
     >>> result.status.item(), f"{result.peak_frequency.item():.3f}"
     ('locked', '0.500')
     """
-    checked_system(system)
     drive = checked_vertical(drive)
     ratios = np.array([drive.drive_frequency / system.natural_frequency])
     ratios = ratios if frequency_ratio is None else np.array(frequency_ratio)

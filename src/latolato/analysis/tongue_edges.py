@@ -5,7 +5,14 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, Annotated, Literal
 
-from latolato.analysis.linear import check_oscillates, linearised, tongue, waveform_of
+from latolato.analysis.linear import (
+    check_linear,
+    check_oscillates,
+    checked_template,
+    linearised,
+    tongue,
+    waveform_of,
+)
 from latolato.analysis.registry import analyses, labelled, warn
 from latolato.core.quantities import NON_NEGATIVE, Quantity, Range
 from latolato.core.registry import checked_count
@@ -22,7 +29,7 @@ QUANTITIES_OF_EDGES = {
 }
 
 
-@analyses.register("tongue_edges")
+@analyses.register("tongue_edges", check_linear, checked_template)
 def tongue_edges(
     system: System,
     drive: Drive | None = None,

@@ -52,7 +52,7 @@ class AnalysisCall:
         from latolato.core.registry import describe
 
         scenario, sweep = self._scenario(source, values, tables)
-        drive = _moving(scenario)
+        drive = moving(scenario)
         result: dict[str, Any] = {"system": scenario.system}
         if "drive" in inspect.signature(self.function).parameters:
             result["drive"] = drive
@@ -116,7 +116,7 @@ class AnalysisCall:
         named = naming.default if given is None else read_value(naming, given)
 
         def unit_of(name: str) -> str:
-            return quantity_named(name, scenario.system, _moving(scenario)).unit
+            return quantity_named(name, scenario.system, moving(scenario)).unit
 
         if not option.several:
             return read_value(option, value, unit_of(named))
@@ -148,7 +148,7 @@ class AnalysisCall:
             )
 
 
-def _moving(scenario: Scenario) -> Any:
+def moving(scenario: Scenario) -> Any:
     """Return the drive of a scenario, None for a pivot at rest."""
     return scenario.drive if scenario.drive.moves else None
 
@@ -200,7 +200,7 @@ def _of_laws(option: Parameter, scenario: Scenario) -> float | None:
     """
     from latolato.analysis.flow import value_of
 
-    drive = _moving(scenario)
+    drive = moving(scenario)
     if drive is None or option.several:
         return None
     try:

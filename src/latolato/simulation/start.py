@@ -55,12 +55,7 @@ def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
     checked_drive(drive)
     if not isinstance(drive, PeriodicDrive):
         name = "none" if drive is None else drives.name_of(drive)
-        raise InputError(
-            "must repeat itself with a single period",
-            parameter="drive",
-            value=name,
-            way_out="give one such as Harmonic",
-        )
+        raise broken_rule("repeating_drive", parameter="drive", value=name)
     return drive
 
 

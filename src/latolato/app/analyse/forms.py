@@ -8,9 +8,11 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
+from latolato.app.answers import message_of
 from latolato.app.forms import described, pretty, shown_option
 from latolato.app.run_request import RunRequest, options_of
 from latolato.core.errors import InputError
+from latolato.scenario.analysis_call import moving
 
 if TYPE_CHECKING:
     from latolato.core.parameters import Parameter
@@ -137,10 +139,25 @@ def about_request(request: RunRequest) -> dict[str, Any]:
             "options": options_of(scenario),
             "title": scenario.title,
             "titles": {name: label_of(name) for name in analyses},
+            "refused": refusals(scenario),
             "first": first_texts(scenario),
             "parameters": parameters_of(scenario),
         }
     )
+    return result
+
+
+def refusals(scenario: Scenario) -> dict[str, dict[str, Any]]:
+    """Return why analyses cannot treat the system and the drive of a scenario, by their names."""
+    from latolato.analysis import analyses
+
+    laws = {"system": scenario.system, "drive": moving(scenario)}
+    result = {}
+    for name in analyses:
+        try:
+            analyses.check(name, laws)
+        except InputError as error:
+            result[name] = message_of(error)
     return result
 
 

@@ -8,10 +8,11 @@ import { t, tr } from "../strings.js";
 /** @typedef {import("../page/option_texts.js").FieldOption} FieldOption */
 /** @typedef {FieldOption & {is_from_scenario: boolean, is_in_unit_of_parameter: boolean}} Argument */
 /** @typedef {{title: string, options: Record<string, any>, titles: Record<string, string>,
+ *   refused: Record<string, {error: string, field: string | null, parts: any}>,
  *   first: Record<string, Record<string, string>>,
  *   parameters: Record<string, {label: string, low: string, high: string,
  *   shown: Pick<FieldOption, "unit" | "units">}>}} SystemAbout
- *   what the server says about system and drive: titles of analyses, texts to begin with, and what diagrams can vary */
+ *   what the server says about system and drive: titles of analyses, why some cannot treat them, texts to begin with, and what diagrams can vary */
 
 // The option that says what a diagram varies, and the two that say between which limits.
 const VARIED = "parameter";

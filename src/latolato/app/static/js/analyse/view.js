@@ -165,7 +165,9 @@ export class AnalyseView {
     this.notify("");
     this.select.value = what;
     this.root.dataset.form = what;
-    this.fields.hidden = this.summary.hidden = this.more.hidden = !analysis;
+    const refused = this.about.refused[what];
+    this.summary.hidden = this.more.hidden = !analysis;
+    this.fields.hidden = !analysis || refused !== undefined;
     this.title.textContent = analysis?.title ?? t("analysisChoose");
     if (this.root.dataset.answered !== what) this.clear();
     if (!analysis) return;
@@ -177,10 +179,15 @@ export class AnalyseView {
     this.age();
     const { isOpening } = this;
     this.isOpening = false;
+    if (refused) {
+      const { error, field, parts } = refused;
+      this.refuse(new Refusal(error, field, parts));
+      return;
+    }
     if (isOpening && extra[ASK] === "1") void this.compute();
   }
 
-  /** Take the result away; in its place stand all analyses, or where the picture will be. */
+  /** Take the result away; in its place stand all analyses, or where the picture will be if there can be one. */
   clear() {
     const { what } = this;
     this.job.stop();
@@ -192,6 +199,7 @@ export class AnalyseView {
     const row = (/** @type {[string, Analysis]} */ [name, { title, summary }]) => [
       el("dt", {}, openLink(this.page, { view: "analyse", scenario, options, extra: { [WHAT]: name } }, title)),
       el("dd", {}, summary)];
+    this.answer.hidden = this.about?.refused[what] !== undefined;
     this.answer.replaceChildren(el("section", { class: "card" }, what
       ? el("div", { class: "picture waiting" }, el("p", { class: "soft" }, t("pictureHere")))
       : el("dl", { class: "analyses" }, ...Object.entries(this.analyses).flatMap(row))));
@@ -223,7 +231,7 @@ export class AnalyseView {
   /** @param {Refusal} refusal why there is no result */
   refuse({ input, message, field: about }) {
     const [text, field] = input ? inPagesWords(this.own.registryInWords, input) : [tr(message), about];
-    if (!this.own.error(text, field)) this.job.refuse(inWords(text, this.own.words));
+    if (this.fields.hidden || !this.own.error(text, field)) this.job.refuse(inWords(text, this.own.words));
     else this.job.error.hidden = true;
   }
 
