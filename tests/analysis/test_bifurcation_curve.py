@@ -436,10 +436,43 @@ def test_a_point_that_no_curve_follows_is_refused():
         bifurcation_curve(TOY, shake(2.7, 0.03, TOY), at=other, low=(0.0, 1.0), high=(0.1, 6.0))
 
 
+@pytest.mark.filterwarnings("error")
+def test_from_far_away_the_curve_is_that_of_the_bifurcation_which_the_motion_meets_first():
+    box = {"low": (0.0, 1.4), "high": (0.4, 3.2)}
+    inside = ll.load_scenario("fig02")  # of the tongue, at ratio 2
+    tongue = bifurcation_curve(inside.system, inside.drive, points=60, **box)
+    assert tongue.attrs["bifurcation"] == "period_doubling"
+    for amplitude, ratio in zip(
+        tongue.drive_amplitude[::9], tongue.frequency_ratio[::9], strict=True
+    ):
+        edges = ll.analysis.tongue_edges(inside.system, drive_amplitude=float(amplitude))
+        assert np.min(np.abs([edges.low - ratio, edges.high - ratio])) < 1e-8
+    upright = ll.load_scenario("kapitza")
+    box = {"low": (0.0, 10.7), "high": (0.08, 32.1)}
+    start = {"initial_angle": np.radians(160.0)}
+    kapitza = bifurcation_curve(upright.system, upright.drive, points=60, **box, **start)
+    assert kapitza.attrs["bifurcation"] == "symmetry_breaking"
+    for amplitude, ratio in zip(
+        kapitza.drive_amplitude[::9], kapitza.frequency_ratio[::9], strict=True
+    ):
+        limits = ll.analysis.inverted_limits(upright.system, frequency_ratio=float(ratio))
+        assert abs(limits.low.item() - amplitude) < 1e-8
+
+
+def test_from_a_start_that_runs_away_the_motion_is_that_of_the_run():
+    toy = ll.load_scenario("toy")
+    curve = bifurcation_curve(
+        toy.system, toy.drive, low=(0.0, 1.4), high=(0.09, 3.2), points=20,
+        initial_angle=toy.run["initial_angle"],
+    )  # fmt: skip
+    assert curve.attrs["bifurcation"] == "period_doubling"
+    assert curve.largest_angle.min() > 2.5  # it swings to the top, as the toy does
+
+
 def test_no_bifurcation_near_a_start_is_said():
     with pytest.warns(RuntimeWarning, match="no fold of a motion of one drive period was found"):
         curve = bifurcation_curve(
-            TOY, shake(2.2, 0.03, TOY), kind="fold", low=(0.0, 0.5), high=(0.1, 6.0),
+            TOY, shake(2.2, 0.03, TOY), kind="fold", low=(0.029, 2.19), high=(0.031, 2.21),
             initial_angle=0.3177, initial_angular_velocity=5.398,
         )  # fmt: skip
     assert curve.status.item() == "not found"

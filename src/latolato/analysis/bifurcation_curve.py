@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import re
+import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
@@ -20,6 +21,7 @@ from latolato.analysis.conditions import (
     Touch,
     closing_maps,
 )
+from latolato.analysis.continue_orbit import continue_orbit
 from latolato.analysis.curve import Curve, CurvePoint, Special
 from latolato.analysis.flow import (
     Floats,
@@ -36,6 +38,7 @@ from latolato.analysis.orbits import (
     checked_guess,
     find_orbit,
     multipliers_of,
+    run_elsewhere,
     scale_of,
 )
 from latolato.analysis.registry import analyses, labelled, warn
@@ -72,6 +75,8 @@ QUANTITIES = {
 _NEUTRAL = 1.0 + 1e-5
 # Samples of a motion in which the instant of a touch is looked for.
 _SAMPLES = 2000
+# Most points of a branch on which a bifurcation is looked for.
+_SEARCHED = 60
 # Where closed motions are looked for beside a guess, as shares of the parameters' ranges, and how
 # near they must be, in natural units.
 _BESIDE = (0.0, 3e-4, 3e-3)
@@ -90,6 +95,7 @@ def bifurcation_curve(
     at: xr.DataArray | None = None,
     initial_angle: float | Sequence[float] | None = None,
     initial_angular_velocity: float | Sequence[float] = 0.0,
+    initial_offset: float | None = None,
     period: Annotated[int | None, PERIODS] = None,
     points: Annotated[int, COUNT] = 200,
     contact: str | None = "exact",
@@ -105,14 +111,16 @@ def bifurcation_curve(
     Parameters
     ----------
     system, drive
-        Any system under `Harmonic` or `CrankSlider`, near to a bifurcation: three digits will do.
+        Any system under `Harmonic` or `CrankSlider`. The curve is that of the bifurcation near
+        their values: three digits will do. Where none is, it is the nearest one that the motion
+        meets while one of both parameters varies alone.
     kind : {"fold", "period_doubling", "symmetry_breaking", "grazing", "lift_off", "slack_onset"}
         What is followed, by default the one of the first three to which a multiplier of the motion
-        is nearest. ``fold``: two motions meet and vanish, a multiplier is one.
-        ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that equals
-        its image in a mirror gives way to two that do not. ``grazing``: a ball touches the other
-        one, or its image, without speed. ``lift_off``: the force between balls at rest on each
-        other touches zero. ``slack_onset``: the least tension of a string touches zero.
+        is nearest, or that it meets first. ``fold``: two motions meet and vanish, a multiplier is
+        one. ``period_doubling``: a multiplier is minus one. ``symmetry_breaking``: a motion that
+        equals its image in a mirror gives way to two that do not. ``grazing``: a ball touches the
+        other one, or its image, without speed. ``lift_off``: the force between balls at rest on
+        each other touches zero. ``slack_onset``: the least tension of a string touches zero.
     parameters : pair of str
         What is varied: parameters of system or drive, ``frequency_ratio``, ``amplitude_ratio`` or
         ``drive_acceleration_ratio``.
@@ -122,7 +130,7 @@ def bifurcation_curve(
         A special point of `continue_orbit` of the same system and drive, as ``branch.special[0]``:
         it brings its parameter's value, the motion, its period and its kind, which are not given
         beside it.
-    initial_angle, initial_angular_velocity, period
+    initial_angle, initial_angular_velocity, initial_offset, period
         Guess of the motion, as in a Floquet analysis; the period is 1 by default.
     points : int
         Most points of the curve.
@@ -152,7 +160,7 @@ def bifurcation_curve(
         ``merges`` (the motions become the more symmetric one from which they split), ``grazing``,
         ``touches_twice``, ``slackens``, ``point limit`` (more would follow), ``interrupted`` or
         ``lost`` (no smaller step helps). ``status``: ``complete``, ``closed``, ``interrupted``,
-        ``not found`` (no such bifurcation is near) or ``singular`` (two are, at one point).
+        ``not found`` (no such bifurcation is near, or met) or ``singular`` (two are, at one point).
 
     Raises
     ------
@@ -186,7 +194,7 @@ def bifurcation_curve(
         period = period or 1
     else:
         check_left_out(
-            kind=kind, period=period, initial_angle=initial_angle,
+            kind=kind, period=period, initial_angle=initial_angle, initial_offset=initial_offset,
             initial_angular_velocity=initial_angular_velocity,
         )  # fmt: skip
         special = SpecialPoint.of(at, system, drive)
@@ -198,12 +206,20 @@ def bifurcation_curve(
         kind = KINDS[KINDS.index(found)]
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
-    guess = checked_guess(flow, initial_angle, initial_angular_velocity, None)
+    guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
+    sought = (kind,) if kind else tuple(_CRITICAL)
     kind = kind or _nearest_kind(plane, guess, period)
     _check_kind(flow, kind)
     condition, unknowns = _condition_of(plane, kind, guess, period)
     curve = Curve(condition)
     first = None if unknowns is None else curve.begin(unknowns)
+    if first is None and at is None:
+        place = _special_point(plane, sought, guess, period, contact)
+        if place is not None:
+            return bifurcation_curve(
+                system, drive, at=place, parameters=parameters, low=low, high=high, points=points,
+                contact=contact, tolerance=tolerance, rest_speed=rest_speed, progress=progress,
+            )  # fmt: skip
     curve_points: list[CurvePoint] = []
     specials: list[Special] = []
     ends = ["", ""]
@@ -259,6 +275,41 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
                 "first_orbit", {"name": name_gap(name), "begun": value, "low": least, "high": most}
             )
     return plane
+
+
+def _special_point(
+    plane: Plane, kinds: Sequence[str], guess: Floats, period: int, contact: str | None
+) -> xr.DataArray | None:
+    """Return the nearest special point of these kinds where one parameter alone varies.
+
+    That of the motion in which the run from the guess settles, or else of that near the guess.
+    """
+    flow = plane.flow
+    orbit = find_orbit(flow, guess, period)
+    elsewhere = run_elsewhere(orbit, guess) if orbit.defect <= CLOSED else None
+    for start in [guess] if elsewhere is None else [elsewhere[1], guess]:
+        angle, velocity = (np.squeeze(each).tolist() for each in (start[0::2], start[1::2]))
+        found: list[tuple[float, xr.DataArray]] = []
+        limits = zip(plane.names, plane.values, plane.low, plane.high, strict=True)
+        for name, value, low, high in limits:
+            for direction in ("up", "down"):
+                with warnings.catch_warnings():
+                    warnings.simplefilter("ignore", RuntimeWarning)  # of a branch that is lost
+                    branch = continue_orbit(
+                        flow.system, flow.drive, parameter=name, low=low, high=high,
+                        direction=direction, initial_angle=angle,
+                        initial_angular_velocity=velocity, period=period, points=_SEARCHED,
+                        contact=contact, tolerance=flow.tolerance,
+                        rest_speed=flow.rest_speed,
+                    )  # fmt: skip
+                found += [
+                    (abs(float(each["special_value"]) - value) / (high - low), each)
+                    for each in branch["special"]
+                    if each["special_kind"].item() in kinds
+                ]
+        if found:
+            return min(found, key=lambda each: each[0])[1]
+    return None
 
 
 def _word_of(kind: str) -> Word:

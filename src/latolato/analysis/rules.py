@@ -204,12 +204,14 @@ RULES = {
     ),
     "value_of": Rule("{name} = {value:.6g}{unit}"),
     "no_bifurcation": Rule(
-        "no {kind} of a motion of one drive period was found near {where}; begin at a special "
-        "point of continue_orbit"
+        "no {kind} of a motion of one drive period was found near {where}, nor where one of both "
+        "parameters varies alone; widen {@low} and {@high}, choose another {@kind}, or begin with "
+        "another motion"
     ),
     "no_bifurcation_of_several": Rule(
-        "no {kind} of a motion of {period} drive periods was found near {where}; begin at a "
-        "special point of continue_orbit"
+        "no {kind} of a motion of {period} drive periods was found near {where}, nor where one of "
+        "both parameters varies alone; widen {@low} and {@high}, choose another {@kind}, or begin "
+        "with another motion"
     ),
     "other_bifurcation": Rule(
         "no {kind} was found near {where}, where {nearest} is the nearest bifurcation of the "
