@@ -214,6 +214,18 @@ def test_a_page_says_at_once_what_an_analysis_cannot_treat(page):
     assert not refusal.is_visible()
 
 
+@pytest.mark.parametrize("scenario", ["toy", "ballpair_asymmetric"])
+def test_the_motion_in_which_the_run_settles_is_a_press_away(page, scenario):
+    page.goto(f"/?view=analyse&scenario={scenario}&analyse.what=floquet&analyse.ask=1")
+    elsewhere = page.get_by_text("does not settle on this motion")
+    elsewhere.wait_for()
+    page.get_by_role("button", name="Analyse that motion").click()
+    page.wait_for_selector("[data-answers='2']")
+    assert elsewhere.count() == 0
+    assert page.locator("tr", has_text="Status").inner_text().split() == ["Status", "stable"]
+    assert "initial_angular_velocity=" in page.url
+
+
 def test_an_analysis_of_contacts_works_for_a_pair(tmp_path):
     given = {"analysis": "self_start", "scenario": "fig04a", "settings": {}}
     told, _ = compute(given, tmp_path, print)

@@ -9,6 +9,9 @@ import { t } from "../strings.js";
 
 /** @typedef {import("../page/block.js").Block} Block */
 
+/** @typedef {import("../model/rules.js").Sentence} Sentence */
+/** @typedef {import("../model/rules.js").Value} Value */
+
 /** @type {Record<string, string>} */
 const TYPES = {
   nc: "application/x-netcdf", csv: "text/csv", png: "image/png", svg: "image/svg+xml",
@@ -21,15 +24,20 @@ export class ResultCard {
    * @param {Block} block
    * @param {import("./view.js").Analysis} analysis
    * @param {Record<string, {label: string}>} words what options, parameters and analyses are called
+   * @param {(start: Record<string, string>) => void} begin called to analyse the motion from another start
    */
-  constructor(block, analysis, words) {
+  constructor(block, analysis, words, begin) {
     const { about } = block;
     this.title = analysis.title;
     const files = Object.keys(TYPES).filter((kind) => kind in block.arrays);
     const save = (/** @type {string} */ kind) => () =>
       saveFile(fileOf(block, kind, TYPES[kind]), `${about.analysis}.${kind}`);
-    const notes = about.warnings.map((/** @type {string | import("../model/rules.js").Sentence} */ each) =>
-      el("p", { class: "notes" }, t("warning", { text: inWords(sentenceInLanguage(each, words), words).replaceAll("_", " ") })));
+    const notes = about.warnings.map((/** @type {string | Sentence} */ each) => {
+      const start = startIn(each);
+      return el("p", { class: "notes" },
+        t("warning", { text: inWords(sentenceInLanguage(each, words), words).replaceAll("_", " ") }),
+        ...(start ? [" ", el("button", { type: "button", on: { click: () => begin(start) } }, t("analyseThatMotion"))] : []));
+    });
     this.root = el("div", { class: "main" },
       el("section", { class: "card" }, ...notes, block.arrays.png ? this.picture(block) : null,
         // Of a curve without a point there is nothing to read.
@@ -59,4 +67,18 @@ export class ResultCard {
     image.style.setProperty("--full", `${width / DOTS}rem`);
     return el("div", { class: "picture" }, image);
   }
+}
+
+/**
+ * Return the state in which a run settles, as the options of a start, if a note is of that.
+ * @param {Value} note
+ * @returns {Record<string, string> | undefined}
+ */
+function startIn(note) {
+  if (typeof note !== "object" || !("values" in note)) return undefined;
+  const { name, values } = note;
+  if (name !== "run_elsewhere") return Object.values(values).map(startIn).find((start) => start);
+  const each = (/** @type {Value} */ listed, /** @type {string} */ unit) =>
+    Object.values(/** @type {Sentence} */ (listed).values).map((number) => `${number} ${unit}`).join(", ");
+  return { initial_angle: each(values.angle, "rad"), initial_angular_velocity: each(values.velocity, "rad/s") };
 }

@@ -240,6 +240,12 @@ export class AnalyseView {
     openOverMap(this.page, await fileOf(block, "csv", "text/csv").text());
   }
 
+  /** @param {Record<string, string>} start options of the start from which the same is to be computed */
+  begin(start) {
+    this.laws.giveAll(start);
+    void this.compute();
+  }
+
   /** Ask the server, and show the result. */
   async compute() {
     const { question } = this;
@@ -256,7 +262,8 @@ export class AnalyseView {
       this.asked = "";
       return;
     }
-    const answer = new ResultCard(block, this.analyses[question.analysis], this.own.words);
+    const answer = new ResultCard(block, this.analyses[question.analysis], this.own.words,
+      (start) => this.begin(start));
     if (question.analysis === CURVE && block.about.points > 0) answer.actions.append(el("button", { type: "button", on: {
       click: () => void this.showOverMap(block) } }, t("showOverMap")));
     this.answer.replaceChildren(answer.root);
