@@ -1,5 +1,6 @@
 """The report on the paper is a page of its own, beside the pages and linked with them."""
 
+import ast
 import re
 from dataclasses import replace
 from importlib.resources import files
@@ -124,6 +125,10 @@ def test_the_frame_of_the_report_has_indonesian_words():
     wanted = set(re.findall(r'(?<!d=)"([A-Z][^"#{}<>]*)"', frame))
     wanted |= {each for head in heads for each in re.findall(r'"([^"]+)"', head)} - {", "}
     wanted |= {CLAIMS_NOTE, *(verdict.value for verdict in Verdict)}
+    for path in Path(latolato.paper.__file__).parent.glob("*.py"):
+        for call in ast.walk(ast.parse(path.read_text("utf-8"))):
+            if isinstance(call, ast.Call) and getattr(call.func, "id", "") == "tr":
+                wanted |= {each.value for each in ast.walk(call) if isinstance(each, ast.Constant)}
     assert len(wanted) > 40
     assert wanted - {"Site", "Contents"} <= INDONESIAN.keys()
 
@@ -166,7 +171,7 @@ def test_links_of_the_indonesian_report_open_the_pages_in_indonesian(browser, ad
     assert len(addresses) > 5
     assert all(each.endswith("lang=id") for each in addresses)
     page.get_by_role("link", name="Buka di Peta: ").first.wait_for()
-    page.get_by_role("link", name="Buka di Mainan: Resonance at 6 rad/s").click()
+    page.get_by_role("link", name="Buka di Mainan: Resonansi pada 6 rad/s").click()
     page.wait_for_selector("[data-runs]")
     assert "scenario=fig03a" in page.url
     assert page.evaluate("() => document.documentElement.lang") == "id"
@@ -177,7 +182,7 @@ def test_links_of_the_indonesian_report_open_the_pages_in_indonesian(browser, ad
     "figure, name, ready, wanted",
     [
         ("fig03", "Open in Toy: Resonance at 6 rad/s", "[data-runs]", "scenario=fig03a"),
-        ("fig03", "quiet: drive frequency 5.9 rad/s", "[data-runs]", "drive_frequency=5.9"),
+        ("fig03", "quiet: angular driving", "[data-runs]", "drive_frequency=5.9"),
         ("fig03cd", "Open in Map: ", "[data-done]", "view=map&map.scenario=fig03cd"),
         ("fig03cd", "undamped", "[data-done]", "map.x=frequency_ratio"),
     ],

@@ -7,7 +7,6 @@ import pytest
 
 from latolato.app.run_request import RunRequest, check_size
 from latolato.paper.links import links_to_maps, links_to_presets, links_to_runs, presets_of
-from latolato.paper.page_words import INDONESIAN
 from latolato.report.addresses import address_of_map
 from latolato.scenario.scenario import scenarios
 from quick_figures import EVIDENCE, quick_data
@@ -34,8 +33,8 @@ def test_a_preset_opens_as_a_run_or_as_a_map(figure):
     for name, link in zip(presets_of(figure), links_to_presets(figure), strict=True):
         view = "map" if scenarios()[name].varied else "toy"
         assert read(link.address) == (view, {"scenario": name})
-        assert link.action == ("Open in Map" if view == "map" else "Open in Toy")
-        assert link.action in INDONESIAN
+        action = "Open in Map" if view == "map" else "Open in Toy"
+        assert link.text == f"{action}: {scenarios()[name].title}"
 
 
 @pytest.mark.parametrize("name", PRESETS)

@@ -7,16 +7,20 @@ from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from types import SimpleNamespace
+from typing import ClassVar
 from unittest import mock
 
 import numpy as np
 import pytest
 
 from latolato.cli.reproduce import print_result
+from latolato.core.language import Language, speaking
 from latolato.figures import style
 from latolato.io.files import load
 from latolato.paper import about, catalogue, page, report
 from latolato.paper.claim import Verdict
+from latolato.paper.links import links_to_maps, links_to_presets, links_to_runs
+from latolato.paper.page_words import LANGUAGES
 from quick_figures import EVIDENCE, RESULTS, picture_of, quick_data
 
 VOID = {"meta", "img", "br", "hr", "path", "circle", "rect", "use", "link", "input"}
@@ -132,6 +136,26 @@ def test_progress_rises_from_zero_to_one(made):
 def test_the_page_is_well_formed(read):
     assert read.open == []
     assert len(read.ids) == len(set(read.ids))
+
+
+def test_links_have_indonesian_words(made):
+    class Noting(dict):
+        """Texts that note which of them are missing."""
+
+        missing: ClassVar = set()
+
+        def get(self, text, default):
+            self.missing |= set() if text in self else {text}
+            return super().get(text, default)
+
+    with speaking(Language(Noting(LANGUAGES["id"].texts), ",")):
+        for name in (*EVIDENCE, *RESULTS):
+            dataset = quick_data(name)
+            links = links_to_presets(name) + links_to_runs(dataset) + links_to_maps(dataset)
+            assert all(not re.search(r"\d\.\d", link.text) for link in links)
+    # What is left has numbers and letters only, such as "eq10", "1.9000" and "a".
+    words = {text for text in Noting.missing if re.search(r"[A-Za-z]{3}", text)}
+    assert words == set()
 
 
 def test_the_page_is_self_contained(made, read):

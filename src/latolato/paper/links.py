@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato import Scenario, scenarios
+from latolato.core.language import local, spoken, tr
 from latolato.core.quantities import QUANTITIES
 from latolato.figures.style import pretty_unit
 from latolato.paper import catalogue
@@ -33,11 +34,10 @@ _MOST_PARTS = 3
 
 @dataclass(frozen=True, kw_only=True)
 class Link:
-    """A link from the report: its words, its address, what it does and what it leads to."""
+    """A link from the report: its words, its address and what it leads to."""
 
     text: str
     address: str
-    action: str = ""
     description: str = ""
 
 
@@ -83,9 +83,8 @@ def links_to_presets(figure: str) -> list[Link]:
     known = {name: scenarios()[name] for name in presets_of(figure)}
     return [
         Link(
-            text=scenario.title,
+            text=f"{tr('Open in Map' if scenario.varied else 'Open in Toy')}: {tr(scenario.title)}",
             address=PAGES + address_of_preset(name, is_map=bool(scenario.varied)),
-            action="Open in Map" if scenario.varied else "Open in Toy",
             description=scenario.description,
         )
         for name, scenario in known.items()
@@ -101,7 +100,7 @@ def flat_scenarios(dataset: xr.Dataset) -> list[dict[str, Any]]:
         flat: dict[str, Any] = {}
         for part, entries in json.loads(str(text)).items():
             for name, value in entries.items():
-                flat[f"{part} kind" if name == "kind" else name] = value
+                flat[part if name == "kind" else name] = value
         runs.append(flat)
     return runs
 
@@ -111,7 +110,7 @@ def links_to_runs(dataset: xr.Dataset) -> list[Link]:
     if "scenario" in dataset.attrs:  # of the one motion that was filmed
         scenario = Scenario.from_dict(json.loads(dataset.attrs["scenario"]))
         address = address_of_run(options_that_matter(scenario))
-        return [Link(text="the motion that was filmed", address=PAGES + address)]
+        return [Link(text=tr("the motion that was filmed"), address=PAGES + address)]
     if "scenario" not in dataset or "case" not in dataset.coords:
         return []
     texts = [str(text) for text in dataset["scenario"].values.ravel()[:_MOST_RUNS]]
@@ -134,7 +133,7 @@ def links_to_maps(dataset: xr.Dataset) -> list[Link]:
     if "plan" not in dataset:
         return []
     return [
-        Link(text=str(label), address=PAGES + address)
+        Link(text=_words(str(label)), address=PAGES + address)
         for label, text in zip(dataset["sweep"].values, dataset["plan"].values, strict=True)
         if (address := address_of_map(json.loads(str(text))))
     ]
@@ -155,8 +154,19 @@ def _label(case: Any, run: Mapping[str, Any], differing: list[str]) -> str:
         if isinstance(value, (int, float)) and not isinstance(value, bool):
             unit = QUANTITIES[name].unit if name in QUANTITIES else "1"
             unit = "" if unit in ("", "1") else f" {pretty_unit(unit)}"
-            parts.append(f"{name.replace('_', ' ')} {value:.6g}{unit}")
+            parts.append(f"{meaning(name)} {local(f'{value:.6g}')}{unit}")
         elif isinstance(value, str):
-            parts.append(f"{name} {value}".replace("_", " "))
-    words = str(case).replace("_", " ")
+            parts.append(f"{meaning(name)} {spoken(value)}")
+    words = _words(str(case))
     return f"{words}: {', '.join(parts[:_MOST_PARTS])}" if parts else words
+
+
+def _words(case: str) -> str:
+    """Return what a case is called, by words or names of data: ``rest, strings, e_s = 0``."""
+    parts = case.split(", ")
+    return local(", ".join(spoken(part) if part.isidentifier() else part for part in parts))
+
+
+def meaning(name: str) -> str:
+    """Return what a parameter means."""
+    return tr(QUANTITIES[name].long_name) if name in QUANTITIES else spoken(name)

@@ -6,8 +6,8 @@ import base64
 import json
 import platform
 import re
-from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 from functools import partial
 from html import escape
@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 from markupsafe import Markup
 
 import latolato.paper
+from latolato.core.language import speaking, tr
 from latolato.core.quantities import QUANTITIES
 from latolato.core.versions import version_of
 from latolato.figures.style import pretty_unit
@@ -26,13 +27,15 @@ from latolato.paper.catalogue import title_of
 from latolato.paper.claim import Claim, Verdict
 from latolato.paper.links import (
     PAGES,
+    Link,
     flat_scenarios,
     in_language,
     links_to_maps,
     links_to_presets,
     links_to_runs,
+    meaning,
 )
-from latolato.paper.page_words import CLAIMS_NOTE, ENGLISH_PARTS, link, word_in, words
+from latolato.paper.page_words import CLAIMS_NOTE, ENGLISH_PARTS, LANGUAGES, link, words
 from latolato.paper.powers import rewritten_powers
 from latolato.report.templates import environment
 
@@ -85,8 +88,6 @@ def render(
         "kind": _CLASSES.__getitem__,
         "words": partial(words, set_text=typeset),
         "link": lambda text, target: link(target, text, typeset),
-        "word_in": word_in,
-        "in_language": in_language,
     }
     claims = [claim for part in parts for claim in part.claims]
     judged = {claim.name for claim in claims}
@@ -94,7 +95,7 @@ def render(
     versions = ", ".join(f"{name} {version_of(name)}" for name in LIBRARIES)
     return pages.get_template("report.html").render(
         version=version_of(),
-        pages=PAGES,
+        back=_in_languages(lambda: [Link(text=tr("Back to the toy"), address=PAGES)]),
         title=typeset(about.TITLE),
         about=about,
         meta=f"latolato {version_of()}, {datetime.now(UTC):%Y-%m-%d}.",
@@ -109,7 +110,7 @@ def render(
         runs_of_texts=[
             (part.title, links)
             for part in parts
-            if part.caption is None and (links := links_to_runs(part.dataset))
+            if part.caption is None and (links := _in_languages(links_to_runs, part.dataset))
         ],
         runs=_runs(parts),
         maps=_maps(parts),
@@ -169,10 +170,20 @@ def _plate(paper: ModuleType, part: Part, folder: Path) -> dict[str, Any]:
         "ledger": _ledger_sentence(part.dataset),
         "parameters": _parameters(part.dataset),
         # Shipped scenarios belong to figures of the paper that latolato began with.
-        "presets": links_to_presets(part.name) if paper is latolato.paper else [],
-        "runs": links_to_runs(part.dataset),
-        "maps": links_to_maps(part.dataset),
+        "presets": _in_languages(links_to_presets, part.name) if paper is latolato.paper else {},
+        "runs": _in_languages(links_to_runs, part.dataset),
+        "maps": _in_languages(links_to_maps, part.dataset),
     }
+
+
+def _in_languages(make: Callable[..., list[Link]], *given: Any) -> dict[str, list[Link]]:
+    """Return links in each language of the page, none if there are none."""
+    made = {}
+    for code, language in LANGUAGES.items():
+        with speaking(language):
+            links = make(*given)
+        made[code] = [replace(each, address=in_language(each.address, code)) for each in links]
+    return made if made["en"] else {}
 
 
 def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
@@ -185,7 +196,7 @@ def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
         flat: dict[str, Any] = {}
         for part in ("system", "drive", "contact", "start"):
             for name, value in plan[part].items():
-                flat[f"{part} kind" if name == "kind" else name] = value
+                flat[part if name == "kind" else name] = value
         named = [
             (name, values)
             for axis in plan["axes"]
@@ -198,7 +209,7 @@ def _sweeps(dataset: xr.Dataset) -> list[dict[str, Any]]:
         for name in ("duration", "transient", "tolerance"):
             flat[name] = plan[name]
         if plan["continuation"]:
-            flat["followed along"] = _meaning(plan["continuation"])
+            flat["followed along"] = meaning(plan["continuation"])
         sweeps.append(flat)
     return sweeps
 
@@ -220,12 +231,7 @@ def _parameters(dataset: xr.Dataset) -> list[tuple[str, str]]:
                 name in _OFTEN_ZERO and set(values) <= {"0.0", "null"}
             ):
                 rows.append((name, [json.loads(value) for value in values]))
-    return [(_meaning(name), _values(name, values)) for name, values in rows]
-
-
-def _meaning(name: str) -> str:
-    """Return the description of a parameter."""
-    return QUANTITIES[name].long_name if name in QUANTITIES else name.replace("_", " ")
+    return [(meaning(name), _values(name, values)) for name, values in rows]
 
 
 def _values(name: str, values: list[Any]) -> str:

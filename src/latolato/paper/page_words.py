@@ -7,8 +7,12 @@ that begins with ``id-``.
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from markupsafe import Markup
+
+from latolato.app.languages import language_of
+from latolato.core.language import ENGLISH
 
 CLAIMS_NOTE = (
     "A claim is reproduced if all its limits hold for the printed parameters. It is reproduced "
@@ -58,6 +62,41 @@ INDONESIAN = {
     "Sweeps behind it": "Pemindaian di baliknya",
     "open in Toy": "buka di Mainan",
     "open in Map": "buka di Peta",
+    # Cases of the paper.
+    "resonant": "beresonansi",
+    "quiet": "tenang",
+    "twice": "dua kali lipat",
+    "undamped": "tanpa redaman",
+    "damped": "dengan redaman",
+    "strong rest": "kuat, dari keadaan diam",
+    "strong push": "kuat, dengan dorongan",
+    "strong coarse": "kuat, langkah kasar",
+    "strong fine": "kuat, langkah halus",
+    "weak rest": "lemah, dari keadaan diam",
+    "weak push": "lemah, dengan dorongan",
+    "weak coarse": "lemah, langkah kasar",
+    "weak fine": "lemah, langkah halus",
+    "free": "bebas",
+    "pushed": "didorong",
+    "short": "pendek",
+    "the motion that was filmed": "gerak yang direkam",
+    "single": "satu bola",
+    "amplitudes": "amplitudo",
+    "starts": "keadaan awal",
+    "coupled": "dua bola",
+    "cosine": "kosinus",
+    "crank": "engkol",
+    "settled": "menetap",
+    "rods": "batang",
+    "rods rest": "batang, dari keadaan diam",
+    "rods push": "batang, dengan dorongan",
+    "strings rest": "tali, dari keadaan diam",
+    "strings push": "tali, dengan dorongan",
+    "harmonic": "harmonik",
+    "crank slider": "engkol dan peluncur",
+    "frequency schedule": "frekuensi bertahap",
+    # Parameters without a name on the pages.
+    "followed along": "diikuti sepanjang",
     "Parameters": "Parameter",
     "parameter": "parameter",
     "value": "nilai",
@@ -105,6 +144,9 @@ INDONESIAN = {
         "pengukuran dalam makalah. ✓ menandai batas yang terpenuhi, ✗ batas yang tidak."
     ),
 }
+# What the pages call laws and parameters is called so here as well.
+_PAGES = language_of("id")
+LANGUAGES = {"en": ENGLISH, "id": replace(_PAGES, texts={**_PAGES.texts, **INDONESIAN})}
 # Stands on the page in Indonesian alone.
 ENGLISH_PARTS = (
     "Pengantar, pernyataan makalah, temuan, metode, dan keterangan gambar berbahasa Inggris, "
@@ -114,18 +156,12 @@ ENGLISH_PARTS = (
 
 def words(text: str, set_text: Callable[[str], str]) -> Markup:
     """Return a text of the page in both languages, as it is where it has no Indonesian."""
-    if text not in INDONESIAN:
+    indonesian = LANGUAGES["id"].texts.get(text)
+    if indonesian is None:
         return Markup(set_text(text))
     return Markup(
         f'<span class="en">{set_text(text)}</span>'
-        f'<span class="id" lang="id">{set_text(INDONESIAN[text])}</span>'
-    )
-
-
-def word_in(text: str, code: str) -> Markup:
-    """Return a text for a part of the page that is on show in one language alone."""
-    return Markup('<span lang="{}">{}</span>').format(
-        code, text if code == "en" else INDONESIAN[text]
+        f'<span class="id" lang="id">{set_text(indonesian)}</span>'
     )
 
 
