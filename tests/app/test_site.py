@@ -309,7 +309,7 @@ def test_the_examples_of_the_documentation_run_in_the_site(visit, web):
     visit.get_by_label("drive-amplitude").fill('1 cm"><b>')
     visit.get_by_role("button", name="Show").click()
     assert 'drive-amplitude="1 cm&quot;><b>"' in visit.locator("#latolato-markup").inner_text()
-    visit.get_by_text("drive_amplitude must be given in m").wait_for()
+    visit.get_by_text("drive-amplitude must be given in m").wait_for()
     assert serious_faults(visit) == []
 
 

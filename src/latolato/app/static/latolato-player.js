@@ -82,6 +82,15 @@ class LatolatoPlayer extends HTMLElement {
       if (value !== options[name]) this.setAttribute(name.replaceAll("_", "-"), value);
   }
 
+  /**
+   * Return a refusal that calls options as the page around wrote them.
+   * @param {string} text
+   */
+  withAttributes(text) {
+    const names = { ...this.inset?.runner?.registry.options, ...this.request.options };
+    return text.replace(/\w+/g, (word) => (Object.hasOwn(names, word) ? word.replaceAll("_", "-") : word));
+  }
+
   async compute() {
     const { inset } = this;
     this.turn += 1;
@@ -93,7 +102,7 @@ class LatolatoPlayer extends HTMLElement {
       if (!(await inset.compute(this.request)) || turn !== this.turn) return;
     } catch (error) {
       if (turn !== this.turn) return;
-      inset?.refuse(inLanguage(/** @type {Error} */ (error)));
+      inset?.refuse(this.withAttributes(inLanguage(/** @type {Error} */ (error))));
     }
     this.dispatchEvent(new Event("computed"));
   }
