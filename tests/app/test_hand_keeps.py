@@ -68,8 +68,11 @@ def test_no_link_from_a_motion_by_hand_opens_another_motion_in_silence(page):
     page.wait_for_function("() => !location.search.includes('toy.kept')")
     assert not page.get_by_text("the motion of the last").is_visible()
     assert not warning.is_visible()
+    # This page still has it.
     page.go_back()
-    warning.wait_for()
+    page.get_by_text("the motion of the last").wait_for()
+    page.wait_for_function(f"() => {PLAYER}.motion.about.by_hand")
+    assert not warning.is_visible()
     page.goto("about:blank")
     page.goto(link)
     page.wait_for_selector("[data-runs]")

@@ -84,6 +84,14 @@ export function isReadable(search, newest) {
   return Number.isInteger(number) && number >= 1 && number <= newest;
 }
 
+/**
+ * @param {Record<string, string>} extra
+ * @param {string[]} names
+ */
+function withoutNames(extra, names) {
+  return Object.fromEntries(Object.entries(extra).filter(([name]) => !names.includes(name)));
+}
+
 /** The one state of the page, which is kept in the address and to which others may listen. */
 export class Store {
   /** @param {Window} page */
@@ -135,6 +143,8 @@ export class Store {
   set(part, changed = "options") {
     const before = format(this.state);
     this.state = { ...this.state, ...part };
+    // Whoever sets parameters wants the run that they make, not what was played by hand.
+    if ("options" in part) this.state.extra = withoutNames(this.state.extra, [PLAYED]);
     const address = format(this.state);
     if (address !== before) {
       const isWhole = ["view", "preset"].includes(changed);
@@ -189,7 +199,7 @@ export class Store {
   drop(names) {
     const { extra } = this.state;
     const isAny = names.some((name) => name in extra);
-    if (isAny) this.amend({ extra: Object.fromEntries(Object.entries(extra).filter(([name]) => !names.includes(name))) });
+    if (isAny) this.amend({ extra: withoutNames(extra, names) });
     return isAny;
   }
 

@@ -8,7 +8,7 @@ import { followDrag } from "../player/drag.js";
 import { slackText } from "../player/hang.js";
 import { textOf, textsOf } from "../page/option_texts.js";
 import { before } from "../player/motion.js";
-import { FIRST } from "../page/state.js";
+import { FIRST, HELD, PLAYED } from "../page/state.js";
 import { t } from "../strings.js";
 import { withControls } from "./held_options.js";
 import { fit, KEYS } from "./held_knobs.js";
@@ -19,15 +19,14 @@ import { Shake } from "./shake.js";
 import { Toy } from "./toy.js";
 
 /** @typedef {import("../page/state.js").Page} Page */
+/** @typedef {import("../page/block.js").Block} Block */
 /** @typedef {import("../player/motion.js").MotionBall} MotionBall */
 /** @typedef {import("../player/motion.js").Motion} Motion */
 /**
  * What the view does for the hand: `request` returns the scenario and the options to run; `begun` shows
- * what a toy has begun with, in SI units; `refuse` says why there is none; `keep` shows what was played, with the
- * options of the run that it is, if it is one.
+ * what a toy has begun with, in SI units; `refuse` says why there is none.
  * @typedef {{request: () => {scenario: string | null, options: Record<string, string>},
- *   begun: (options: Record<string, any>) => void, refuse: (error: Error) => void,
- *   keep: (block: import("../page/block.js").Block, options: Record<string, string> | null) => void}} Owner
+ *   begun: (options: Record<string, any>) => void, refuse: (error: Error) => void}} Owner
  */
 
 // Fig. 12 of the paper: the fast stage lifts the balls off, the slow one swings them high.
@@ -90,6 +89,8 @@ export class Hand {
     this.toy = null;
     /** @type {GrowingMotion | null} */
     this.motion = null;
+    /** What was kept and no address describes, by what addresses call it. @type {Map<string, Block>} */
+    this.played = new Map();
     this.signature = "";
     this.pace = new FrameLoop();
     this.shake = new Shake(() => this.toy, () => this.showShake());
@@ -338,8 +339,26 @@ export class Hand {
     const again = kept.again();
     const block = kept.block(again);
     const options = kept.isRun(again) ? textsOf(this.page.registry, kept.options()) : null;
-    const fits = options && new URLSearchParams(options).toString().length < LONGEST_ADDRESS;
-    this.owner.keep(block, fits ? options : null);
+    const { store } = this.page;
+    const { [HELD]: _, ...extra } = store.state.extra;
+    if (options && new URLSearchParams(options).toString().length < LONGEST_ADDRESS) {
+      store.set({ scenario: null, options, extra }, "preset");
+      this.tellKept(block);
+      return;
+    }
+    // No page that is loaded again gives this name to something else.
+    const name = String(Date.now());
+    this.played.set(name, block);
+    store.set({ extra: { ...extra, [PLAYED]: name } }, "extra");
+  }
+
+  /**
+   * Say what was kept, and whether it can be made again.
+   * @param {Block} block
+   */
+  tellKept({ about, arrays: { time } }) {
+    const { messages, store } = this.page;
+    messages.showOfStep("kept", t("kept", { time: time[time.length - 1].toFixed(1), text: about.note }), store);
   }
 
   /** Tell that the toy stood still while its tab was in the background. */

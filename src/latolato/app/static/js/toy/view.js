@@ -44,8 +44,6 @@ export class ToyView {
       if (this.hand?.isOn) this.hand.turn(name, Number(value));
       else this.give({ [name]: text || null });
     });
-    /** What was played by hand and no address describes. @type {import("../page/block.js").Block | null} */
-    this.kept = null;
     /** Holds the toy when it is first asked to. @type {import("./hand.js").Hand | null} */
     this.hand = null;
     this.hold = el("button", { type: "button", class: "hold", "aria-pressed": "false", title: t("holdHint"),
@@ -155,9 +153,6 @@ export class ToyView {
       return;
     }
     if (changed === "extra") return;
-    // Whoever changes a parameter wants a run of these parameters.
-    this.kept = null;
-    if (changed !== "address") this.page.store.drop([PLAYED]);
     if (changed === "preset") this.form?.forget();
     if (isHeld) {
       this.hand?.follow(changed === "address");
@@ -172,7 +167,6 @@ export class ToyView {
     const { clock } = this.player;
     const isPressed = document.activeElement === this.hold;
     this.runner.stop();
-    this.kept = null;
     this.page.store.drop([PLAYED]);
     this.note("");
     this.hold.setAttribute("aria-pressed", "true");
@@ -204,7 +198,6 @@ export class ToyView {
       request: () => this.request(),
       begun: (options) => this.showHeld(options),
       refuse: (error) => this.refuse(error),
-      keep: (block, options) => this.keep(block, options),
     });
     this.hold.after(hand.tools);
     this.player.stage.append(hand.readout);
@@ -228,23 +221,6 @@ export class ToyView {
     this.reset.classList.toggle("idle", Object.keys(this.page.store.state.options).length === 0);
     this.showOptions(options);
     this.root.dataset.ready = "true";
-  }
-
-  /**
-   * Show what was played by hand as a run like any other.
-   * @param {import("../page/block.js").Block} block
-   * @param {Record<string, string> | null} options of the run that it is, if it is one
-   */
-  keep(block, options) {
-    const { store } = this.page;
-    const { [HELD]: _, ...extra } = store.state.extra;
-    const end = block.arrays.time[block.arrays.time.length - 1];
-    if (options) store.set({ scenario: null, options, extra }, "preset");
-    else {
-      this.kept = block;
-      store.set({ extra: { ...extra, [PLAYED]: "1" } }, "extra");
-    }
-    this.page.messages.showOfStep("kept", t("kept", { time: end.toFixed(1), text: block.about.note }), store);
   }
 
   /**
@@ -298,16 +274,18 @@ export class ToyView {
     this.presets.show(scenario);
     this.answer.hidden = scenario !== FIRST || "story.name" in store.state.extra;
     const waiting = setTimeout(() => this.wait(), PATIENCE);
-    const { kept } = this;
+    const kept = this.hand?.played.get(store.state.extra[PLAYED]) ?? null;
     this.reset.classList.toggle("idle", !kept && Object.keys(store.state.options).length === 0);
-    if (!kept && store.drop([PLAYED])) this.page.messages.showOfStep("kept", t("notKept"), store);
+    if (kept) this.hand?.tellKept(kept);
+    else if (store.drop([PLAYED])) this.page.messages.showOfStep("kept", t("notKept"), store);
+    const { [PLAYED]: name } = store.state.extra;
     this.isThinned = this.isSliding;
     const pending = kept ? Promise.resolve(kept)
       : this.runner.compute({ scenario, options }, { stretch: this.isThinned ? this.stretch : null });
     try {
       const block = await pending;
       // A run that was under way when another preset was chosen.
-      if (store.state.scenario !== chosen || this.hand?.isOn || this.kept !== kept) return;
+      if (store.state.scenario !== chosen || this.hand?.isOn || store.state.extra[PLAYED] !== name) return;
       const motion = new Motion(block);
       this.showOptions(block.about.options);
       this.showKnobs(motion, scenario);
