@@ -10,6 +10,7 @@ import anyio
 import pytest
 
 from latolato.app.jobs import Job, _result
+from latolato.app.worker import _Report, status_in
 from latolato.core.errors import InputError
 
 
@@ -21,6 +22,17 @@ def dance(request, folder, progress):
     if request["do"] == "crash":
         os.kill(os.getpid(), signal.SIGKILL)
     return {"process": os.getpid()}, {}
+
+
+def test_a_stage_is_told_at_once_and_a_share_of_it_now_and_then(tmp_path):
+    report = _Report(tmp_path)
+    told = []
+    for share, stage in ((0.0, "tracking"), (0.5, "tracking"), (1.0, "tracking"), (0.0, "fitting")):
+        report.progress(share, stage)
+        told.append(status_in(tmp_path))
+    assert told == [{"state": "tracking", "progress": 0.0}] * 3 + [
+        {"state": "fitting", "progress": 0.0}
+    ]
 
 
 def result_of(do, folder):

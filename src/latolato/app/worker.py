@@ -102,6 +102,7 @@ class _Report:
     def __init__(self, folder: Path) -> None:
         self._path = folder / STATUS
         self._written = 0.0
+        self._stage = ""
 
     def __call__(self, state: str, **more: float) -> None:
         """Write a state; a reader finds this one or the one before."""
@@ -110,10 +111,10 @@ class _Report:
         unfinished.replace(self._path)
 
     def progress(self, share: float, stage: str = "working") -> None:
-        """Write the share of a stage that is done, unless that was just done."""
+        """Write the share of a stage that is done, unless one of this stage was just written."""
         now = time.monotonic()
-        if now - self._written > _PAUSE:
-            self._written = now
+        if stage != self._stage or now - self._written > _PAUSE:
+            self._written, self._stage = now, stage
             self(stage, progress=float(share))
 
 
