@@ -132,7 +132,7 @@ def test_an_uploaded_video_gives_its_damping_and_is_drawn_frame_by_frame(page, c
     fill(page, "mass of one ball", "-1")
     page.get_by_text("“mass of one ball” must be above 0 g").wait_for()
     fill(page, "uncertainty of the length", "1e30")
-    page.get_by_text("must be above 0 mm and at most 1000000 mm, got 10³⁰ mm. Take ").wait_for()
+    page.get_by_text("must be above 0 mm and at most 1000000 mm, got 10³⁰ mm. Take 1 mm").wait_for()
     fill(page, "uncertainty of the length", "0,5")
     assert page.get_by_role("button", name="Track", exact=True).is_disabled()
     fill(page, "mass of one ball", "108.04")

@@ -9,10 +9,17 @@ from latolato.core.quantities import NON_NEGATIVE, POSITIVE, QUANTITIES, Quantit
 
 
 def _parameter(
-    name: str, owner: str, description: str, *, label: str = "", unit: str = "1", **more: Any
+    name: str,
+    owner: str,
+    description: str,
+    *,
+    label: str = "",
+    unit: str = "1",
+    usual: float | None = None,
+    **more: Any,
 ) -> Parameter:
     """Return a parameter of a quantity of its own; its label is its description by default."""
-    quantity = Quantity(unit, "", label or description)
+    quantity = Quantity(unit, "", label or description, usual=usual)
     options = {"kind": float, "owner": owner, "description": description, **more}
     return Parameter(name=name, quantity=quantity, **options)
 
@@ -70,7 +77,9 @@ VIDEO_PARAMETERS = {
     for parameter in (
         _of_toy("length", "from pivot to ball centre; sets the scale"),
         _of_toy("radius", "radius of a ball; checked against the scale, or sets it if alone"),
-        _parameter("stick_length", "", "length of the stick", unit="m", allowed=POSITIVE),
+        _parameter(
+            "stick_length", "", "length of the stick", unit="m", usual=0.3, allowed=POSITIVE
+        ),
         _of_toy("gravity", "gravitational acceleration; 9.8 by default"),
         *CLIP,
         *LOOK,

@@ -44,7 +44,7 @@ LENGTH_SIGMA = Parameter(
     kind=float,
     description="standard deviation of the length; by default 1 mm, a mark of a ruler, or that of "
     "the scale where the length follows from it",
-    quantity=Quantity("m", "", "uncertainty of the length", first_unit="mm"),
+    quantity=Quantity("m", "", "uncertainty of the length", usual=0.001, first_unit="mm"),
     allowed=POSITIVE,
 )
 # What fits use of a table; of a video only frames of that part are tracked.
