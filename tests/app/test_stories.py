@@ -587,6 +587,21 @@ def test_what_a_step_says_can_be_tried_with_the_controls_of_the_page(page, name,
             page.get_by_role("button", name=said("storyNext", language), exact=True).click()
 
 
+def test_the_way_back_takes_away_what_was_not_yet_done_there(page):
+    page.goto(address("why_twice"))
+    page.locator(".story-step .check").first.click()
+    page.locator(".story-step [type=submit]").click()
+    page.locator(".story-number strong[data-value]").wait_for()
+    try_by_hand(page, "why_twice", 1, "en")
+    done = page.get_by_text("✓ Done.")
+    done.wait_for()
+    page.wait_for_url("**story.tried=done**")
+    page.go_back()
+    done.wait_for(state="detached")
+    page.go_forward()
+    done.wait_for()
+
+
 def test_a_story_survives_a_reload_and_the_way_back(page):
     page.goto("/?story.name=first_clack")
     page.get_by_role("heading", name="Hanging still").wait_for()

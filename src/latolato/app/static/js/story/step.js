@@ -11,20 +11,22 @@ import { shownNumber } from "./number_text.js";
 /** @typedef {import("../page/block.js").Block} Block */
 
 export const NOT_YET = "-";
+/** Of what was to be tried: the reader goes on without it, or has done it. */
+export const PASSED = "1";
+export const DONE = "done";
 
 export class Step {
   /**
    * @param {import("./panel.js").StoryPanel} panel
    * @param {StoryTable} step
-   * @param {{answer(choice: number): void, goOn(): void}} act
+   * @param {{answer(choice: number): void, goOn(): void, did(): void}} act
    */
   constructor(panel, step, act) {
     this.panel = panel;
     this.step = step;
     this.act = act;
-    this.answer = NOT_YET;
-    /** Whether the reader goes on, and whether "try" was done. */
-    this.goesOn = this.isDone = false;
+    /** `NOT_YET`, `PASSED` or `DONE`. */
+    this.tried = NOT_YET;
     const { look, predict, explanation, number } = step;
     this.needsPeriod = [number, ...step.try.done ?? []].some((each) => each.quantity === "response_period");
     this.head = el("h3", { tabindex: "-1" }, tr(step.title));
@@ -59,11 +61,11 @@ export class Step {
   /**
    * Show how far the reader is.
    * @param {string} answer digit of the choice, or `NOT_YET`
-   * @param {boolean} goesOn without having tried
+   * @param {string} tried `NOT_YET`, `PASSED` or `DONE`
    */
-  show(answer, goesOn) {
-    [this.answer, this.goesOn] = [answer, goesOn];
-    const hasTried = goesOn || this.isDone;
+  show(answer, tried) {
+    this.tried = tried;
+    const hasTried = tried !== NOT_YET;
     const choice = this.step.predict.choices[Number(answer) - 1];
     if (choice) {
       const radio = this.form.querySelector(`input[value="${answer}"]`);
@@ -72,7 +74,7 @@ export class Step {
     const reply = choice ? t(choice.right ? "storyRight" : "storyWrong", { text: tr(choice.answer) }) : "";
     if (this.reply.textContent !== reply) this.reply.textContent = reply;
     this.reply.classList.toggle("right", Boolean(choice?.right));
-    const done = choice && this.isDone ? t("storyTried") : "";
+    const done = choice && tried === DONE ? t("storyTried") : "";
     if (this.done.textContent !== done) this.done.textContent = done;
     this.anyway.hidden = hasTried;
     const opened = [this.trial, this.why].filter((part, i) => part.hidden && choice && (i === 0 || hasTried));
@@ -104,9 +106,7 @@ export class Step {
         : parameterOf(condition.parameter, block);
       return now >= end("at_least", -Infinity) && now <= end("at_most", Infinity);
     });
-    if (!isDone || this.isDone) return;
-    this.isDone = true;
-    this.show(this.answer, this.goesOn);
+    if (isDone && this.tried !== DONE) this.act.did();
   }
 
   /** @param {string | undefined} text */
