@@ -4,19 +4,21 @@ import { DEGREE, localShort } from "../page/unit_text.js";
 import { t } from "../strings.js";
 
 const DIGITS = 3;
-// What may never happen.
-const MAY_BE_NEVER = ["time_to_angle", "top_time", "response_period"];
+/** Why a run has none of these numbers. @type {Record<string, string>} */
+const NONE = { time_to_angle: "storyNever", top_time: "storyNever", response_period: "storyNever",
+  swing_period: "storyNoSwing", shakes_per_swing: "storyNoShakes", growth_rate: "storyNoGrowth",
+  drive_speed: "storyNoDrive", drive_acceleration_ratio: "storyNoDrive" };
 /** How units are shown, and how large each is. @type {Record<string, [string, number]>} */
 const SHOWN = { rad: ["°", DEGREE], m: [" mm", 1e-3], 1: ["", 1] };
 
 /**
- * Return a quantity of a run in words.
+ * Return a quantity of a run in words, or why it has none.
  * @param {string} name
  * @param {number} value [SI]
  * @param {string} unit
  */
 export function shownNumber(name, value, unit) {
-  if (Number.isNaN(value)) return t(MAY_BE_NEVER.includes(name) ? "storyNever" : "storyNone");
+  if (Number.isNaN(value)) return t(NONE[name]);
   return withUnit(value, unit, name === "final_angle" ? 2 * DIGITS : DIGITS);
 }
 

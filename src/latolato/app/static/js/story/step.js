@@ -37,7 +37,7 @@ export class Step {
     this.anyway = el("button", { type: "button", class: "plain", on: { click: () => act.goOn() } },
       t("storyAnyway"));
     this.trial.append(this.done, this.anyway);
-    this.number = el("strong", {}, t("storyNone"));
+    this.number = el("strong", {});
     this.why = el("section", { hidden: true }, el("h4", {}, t("storyWhy")), el("p", {}, tr(explanation.text)));
     this.one = el("p", { class: "story-number" }, el("span", {}, tr(number.label)), this.number);
     this.root = el("div", { class: "story-step" }, this.head, el("p", {}, tr(look.text)),
@@ -93,7 +93,9 @@ export class Step {
     const { schema } = this.panel;
     const { quantity: name, angle } = this.step.number;
     const value = block ? quantity(name, block, this.angle(angle)) : NaN;
-    this.number.textContent = block ? shownNumber(name, value, schema.quantities[name]) : t("storyNone");
+    this.number.textContent = block ? shownNumber(name, value, schema.quantities[name])
+      : t(this.panel.page.store.state.view === "map" ? "storyNoPoint" : "storyNoRun");
+    this.number.classList.toggle("none", Number.isNaN(value));
     this.number.dataset.value = String(value);
     const isDone = !this.trial.hidden && this.step.try.done?.every((/** @type {StoryTable} */ condition) => {
       if (condition.address) return condition.address in extra;
