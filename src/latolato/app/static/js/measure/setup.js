@@ -124,10 +124,12 @@ export class Setup {
     this.hint = el("p", { class: "hint" });
     this.notice = el("p", { class: "notice" });
     this.clock = el("p", { class: "notice" });
-    this.bar = el("progress", { max: 1, "aria-label": t("track") });
-    this.stage = el("span", {});
+    this.bar = el("progress", { max: 1, "aria-label": t("job_bar") });
+    /** Which work goes on, announced when it is another one, and how much of it is done. */
+    this.stage = el("span", { role: "status" });
+    this.share = el("span", {});
     this.failed = el("p", { class: "error", role: "alert" });
-    this.busy = el("div", { class: "busy" }, this.bar, this.stage, this.cancel);
+    this.busy = el("div", { class: "busy" }, this.bar, el("span", {}, this.stage, " ", this.share), this.cancel);
     this.body = el("div", { class: "fields" }, this.notice, this.outside.root, this.clock, this.hint,
       quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
@@ -146,8 +148,9 @@ export class Setup {
     this.busy.hidden = clip.stage === null;
     if (clip.share) this.bar.value = clip.share;
     else this.bar.removeAttribute("value");
-    const text = stageText(clip);
+    const text = clip.stage ? t("stageOf", { stage: t(`stage_${clip.stage}`) }) : "";
     if (this.stage.textContent !== text) this.stage.textContent = text;
+    this.share.textContent = clip.share ? t("progressOf", { percent: Math.round(100 * clip.share) }) : "";
     this.body.hidden = !isSeen(clip);
     this.isReady = isSeen(clip) && clip.stage === null && lack === "";
     this.track.textContent = t(sheet ? "sheetUse" : clip.track ? "trackAgain" : "track");
@@ -267,14 +270,4 @@ export function clockText(clock) {
   return t(clock.is_sure ? "slowMotionDeclared" : "slowMotionPossible", {
     filmed: short(clock.capture_rate, 4), shown: short(clock.shown_rate, 4),
     factor: short(clock.slow_motion, 3) });
-}
-
-/**
- * Return which work goes on, and how far it is.
- * @param {Pick<import("./session.js").Clip, "stage" | "share">} clip
- */
-export function stageText({ stage, share }) {
-  const name = t(`stage_${stage ?? "waiting"}`);
-  return share ? t("progressOf", { stage: name, percent: Math.round(100 * share) })
-    : t("stageOf", { stage: name });
 }
