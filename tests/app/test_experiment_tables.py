@@ -332,6 +332,7 @@ def test_a_file_that_is_no_table_is_refused_in_words(page, tmp_path):
     page.goto("/?view=measure")
     page.get_by_label(DROP).set_input_files(path)
     page.get_by_role("alert").filter(has_text="notes.csv: it has no rows of numbers").wait_for()
+    assert page.locator(".clip-form h2").inner_text() == "notes.csv"
     page.get_by_role("button", name="Remove notes.csv").click()
     page.locator("[data-state=empty]").wait_for()
 

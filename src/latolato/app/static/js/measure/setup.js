@@ -133,7 +133,8 @@ export class Setup {
     this.body = el("div", { class: "fields" }, this.notice, this.outside.root, this.clock, this.hint,
       quantities,
       el("div", { class: "actions" }, this.track, this.again, this.back, this.reset));
-    this.root = el("section", { class: "card" }, el("h2", {}, t("setup")),
+    this.title = el("h2", {});
+    this.root = el("section", { class: "card" }, this.title,
       this.busy, this.failed, this.sign.root, this.body);
   }
 
@@ -151,6 +152,7 @@ export class Setup {
     const text = clip.stage ? t("stageOf", { stage: t(`stage_${clip.stage}`) }) : "";
     if (this.stage.textContent !== text) this.stage.textContent = text;
     this.share.textContent = clip.share ? t("progressOf", { percent: Math.round(100 * clip.share) }) : "";
+    this.title.textContent = isSeen(clip) ? t("setup") : clip.name;
     this.body.hidden = !isSeen(clip);
     this.isReady = isSeen(clip) && clip.stage === null && lack === "";
     this.track.textContent = t(sheet ? "sheetUse" : clip.track ? "trackAgain" : "track");
