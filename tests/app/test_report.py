@@ -178,12 +178,29 @@ def test_links_of_the_indonesian_report_open_the_pages_in_indonesian(browser, ad
     context.close()
 
 
+def test_who_chose_english_in_the_report_keeps_it(browser, address):
+    context = new_context(browser, locale="id-ID")
+    page = context.new_page()
+    spoken = "() => document.documentElement.lang"
+    page.goto(address)
+    page.get_by_role("link", name="Laporan", exact=True).click()
+    page.get_by_role("link", name="English").click()
+    page.get_by_role("link", name="Open in Toy: Resonance at 6 rad/s").click()
+    page.wait_for_selector("[data-runs]")
+    assert page.evaluate(spoken) == "en"
+    page.get_by_role("link", name="Report", exact=True).click()
+    page.get_by_role("link", name="Back to the toy").click()
+    page.wait_for_selector("[data-runs]")
+    assert page.evaluate(spoken) == "en"
+    context.close()
+
+
 @pytest.mark.parametrize(
     "figure, name, ready, wanted",
     [
         ("fig03", "Open in Toy: Resonance at 6 rad/s", "[data-runs]", "scenario=fig03a"),
         ("fig03", "quiet: angular driving", "[data-runs]", "drive_frequency=5.9"),
-        ("fig03cd", "Open in Map: ", "[data-done]", "view=map&map.scenario=fig03cd"),
+        ("fig03cd", "Open in Map: ", "[data-done]", "view=map&lang=en&map.scenario=fig03cd"),
         ("fig03cd", "undamped", "[data-done]", "map.x=frequency_ratio"),
     ],
 )

@@ -57,14 +57,14 @@ def _presets_by_figure() -> dict[str, list[str]]:
 
 
 def in_language(address: str, code: str) -> str:
-    """Return the address at which the pages speak a language; English is left to their reader.
+    """Return the address at which the pages speak a language, whatever a browser prefers.
 
     Examples
     --------
-    >>> in_language("../", "id"), in_language("../?view=toy", "id"), in_language("../", "en")
-    ('../?lang=id', '../?view=toy&lang=id', '../')
+    >>> in_language("../", "id"), in_language("../?view=toy", "en")
+    ('../?lang=id', '../?view=toy&lang=en')
     """
-    return address if code == "en" else f"{address}{'&' if '?' in address else '?'}lang={code}"
+    return f"{address}{'&' if '?' in address else '?'}lang={code}"
 
 
 def presets_of(figure: str) -> list[str]:
