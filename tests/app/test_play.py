@@ -352,6 +352,14 @@ def test_a_refusal_of_a_hidden_field_is_seen(page, watch):
     page.locator(".form").get_by_text("shorten it, loosen “tolerance”").wait_for()
 
 
+def test_a_value_that_is_offered_is_written_as_people_read_it(page):
+    open_form(page)
+    page.locator(".form summary").last.click()
+    enter(page.get_by_role("textbox", name="tolerance"), "-1")
+    page.get_by_role("button", name="Take 10⁻¹⁴ rad").click()
+    page.wait_for_url("**tolerance=1e-14**")
+
+
 def test_a_run_of_minutes_says_so_and_stops_at_once(page):
     open_form(page, "&scenario=toy")
     field = page.get_by_label("duration", exact=False).first

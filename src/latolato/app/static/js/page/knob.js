@@ -5,7 +5,7 @@ import { t } from "../strings.js";
 import { el, freshId } from "./dom.js";
 import { problemWith, readEntry, readQuantity, readRange, shownNumbers } from "./entry.js";
 import { keep, recall } from "./preferences.js";
-import { endsText } from "./refusals.js";
+import { endsText, legible } from "./refusals.js";
 import { besideUnit, localShort, short, shownUnit, symbolParts } from "./unit_text.js";
 
 /** @typedef {import("./option_texts.js").FieldOption} FieldOption */
@@ -150,7 +150,7 @@ export class Knob {
 
   /** Return a value with its unit, as people read it. */
   wordsOf(/** @type {number} */ value) {
-    return besideUnit(localShort(this.rounded(value)), shownUnit(this.shownAs.name));
+    return besideUnit(legible(short(this.rounded(value))), shownUnit(this.shownAs.name));
   }
 
   /** Whether a text is being typed that nobody has taken yet. */

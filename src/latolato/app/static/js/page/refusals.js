@@ -65,10 +65,10 @@ function called(label, parameter, value) {
 }
 
 /**
- * Return a sentence with its numbers as people read them.
+ * Return a sentence or a number with its powers of ten as people read them.
  * @param {string} text
  */
-function legible(text) {
+export function legible(text) {
   return local(text.replace(/'[^']*'|\b\d+(?:\.\d+)?e[-+]\d+/g, (part) => (part.startsWith("'") ? part : asRead(part))));
 }
 
