@@ -360,6 +360,17 @@ def test_a_value_that_is_offered_is_written_as_people_read_it(page):
     page.wait_for_url("**tolerance=1e-14**")
 
 
+def test_a_default_is_offered_where_there_is_no_limit_that_anybody_means(page):
+    open_form(page)
+    form = page.locator(".form")
+    form.locator("summary").last.click()
+    for name, offered in (("gravitational", "9.8 m/s²"), ("tolerance", "10⁻¹⁰ rad")):
+        field = form.get_by_role("textbox", name=name)
+        enter(field, "1e300")
+        form.get_by_role("button", name=f"Take {offered}", exact=True).click()
+        assert field.get_attribute("aria-invalid") == "false"
+
+
 def test_a_run_of_minutes_says_so_and_stops_at_once(page):
     open_form(page, "&scenario=toy")
     field = page.get_by_label("duration", exact=False).first

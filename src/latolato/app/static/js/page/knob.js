@@ -300,14 +300,16 @@ export class Knob {
   }
 
   /**
-   * Return what to offer in place of a value that is refused: the limit beyond which it lies, or the usual value where
-   * that limit is none that anybody means.
+   * Return what to offer in place of a value that is refused: the limit beyond which it lies, or the usual value or the
+   * default where that limit is none that anybody means.
    * @param {number | null} limit
    */
   offerNear(limit) {
-    const { usual } = this.option;
-    const isMeant = limit !== null && !(typeof usual === "number" && Math.abs(limit) > FARTHEST * Math.abs(usual));
-    return [isMeant ? limit : null, usual].find((each) =>
+    const known = [this.option.usual, this.option.default];
+    // Zero is of no size.
+    const size = known.find((each) => typeof each === "number" && each !== 0) ?? Infinity;
+    const isMeant = limit !== null && Math.abs(limit) <= FARTHEST * Math.abs(size);
+    return [isMeant ? limit : null, ...known].find((each) =>
       typeof each === "number" && this.reaches(each) && this.problemWith(each) === null);
   }
 
