@@ -420,6 +420,17 @@ def test_a_link_computes_at_once(page):
     page.wait_for_selector("[data-answers='2']")
 
 
+def test_names_of_parameters_are_typed_as_words(page):
+    page.goto("/?view=analyse&scenario=fig03a&analyse.what=bifurcation_curve")
+    field = page.get_by_label("Parameters", exact=True)
+    field.wait_for()
+    assert field.input_value() == "drive_amplitude, frequency_ratio"
+    enter(field, "banana, length")
+    page.wait_for_url("**analyse.parameters=banana**")
+    page.get_by_role("button", name="Compute").click()
+    page.get_by_role("alert").filter(has_text="Unknown parameter 'banana'").wait_for()
+
+
 def test_a_bifurcation_curve_begins_with_the_kind_that_its_motion_is_near(page):
     page.goto("/?view=analyse&scenario=fig03a&analyse.what=bifurcation_curve&analyse.points=10"
               "&analyse.ask=1")  # fmt: skip

@@ -85,7 +85,8 @@ export class ArgumentForm {
     const field = (/** @type {string} */ each) => {
       const { choices, switch: isSwitch } = shown[each];
       if (each === VARIED) return this.form.choiceField(each, shown[each], choices);
-      return choices.length || isSwitch ? this.form.field(each)
+      if (choices.length || isSwitch) return this.form.field(each);
+      return shown[each].unit === "" ? this.form.textField(each, shown[each])
         : this.form.numberField(each, shown[each], !LIMITS.some((limit) => limit === each));
     };
     const rest = Object.keys(options).filter((each) => !first.includes(each));

@@ -285,6 +285,26 @@ export class Form {
   }
 
   /**
+   * @param {string} name
+   * @param {FieldOption} option whose text is words, such as names of parameters
+   */
+  textField(name, option) {
+    const [id, errorId, aboutId] = [freshId(), freshId(), freshId()];
+    const note = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
+    const input = el("input", { id, type: "text", autocomplete: "off", spellcheck: "false",
+      "aria-describedby": `${errorId} ${aboutId}`, on: { change: () => this.give(name, input.value.trim() || null) } });
+    const read = (/** @type {string | null} */ text) => { input.value = text ?? ""; };
+    this.fields.set(name, { read, error: (text) => {
+      note.hidden = text === null;
+      note.textContent = text ?? "";
+      input.setAttribute("aria-invalid", String(text !== null));
+    } });
+    read(this.text(name));
+    return el("div", { class: "field" }, el("label", { for: id, title: option.description }, option.label), input,
+      explanation(option, aboutId), note);
+  }
+
+  /**
    * Return a table whose columns are lists of one length: stages of a schedule, heights of a pivot.
    * @param {string[]} names
    */
