@@ -519,7 +519,6 @@ def test_a_lens_that_moves_the_centre_of_a_pivot_at_rest_shows_by_a_click_on_the
     assert unclicked is None
 
 
-
 def test_scatter_is_the_noise_and_not_the_swing():
     times = np.cumsum(np.random.default_rng(1).uniform(0.8, 1.2, 2000)) / 60
     swing = 0.7 * np.sin(6.0 * times)
