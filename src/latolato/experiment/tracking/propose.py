@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 
@@ -168,8 +169,12 @@ def propose(
     return setup, float(np.median([track.radius for track in tracks])), sample
 
 
-# Something that moves: how likely it is the ball, how far off a circle, and its path.
-_Scored = tuple[float, float, Trajectory]
+class _Mover(NamedTuple):
+    """Something that moves, how likely it is a ball, and how far off a circle it is."""
+
+    track: Trajectory
+    likely: float
+    off: float
 
 
 def _swinging(
@@ -181,13 +186,14 @@ def _swinging(
     one without a stripe is the same; frames show it where they show both parts.
     """
     blobs = sample.copies.blobs
-    scored = _scored(blobs, sample, pivot)
+    parts = _movers(blobs, sample, pivot)
     # A stripe is no wider than its ball, which is as wide as a part of it is long.
     wholes = detect(sample.copies, stripe=length_of_clear(blobs))
-    whole = _scored(wholes, sample, pivot)
-    likely, _, first = _best(whole)
-    if likely > _WHOLE * _best(scored)[0] and first is not None and not first.is_rod:
-        tracks = _chosen(wholes, whole, sample, 1 if count == 1 else None, pivot)
+    joined = _movers(wholes, sample, pivot)
+    first, other = _best(joined), _best(parts)
+    least = 0.0 if other is None else _WHOLE * other.likely
+    if first is not None and first.likely > least and not first.track.is_rod:
+        tracks = _chosen(wholes, joined, sample, 1 if count == 1 else None, pivot)
         seen = np.all([track.is_seen for track in tracks], axis=0)
         shown = seen.copy()
         for frame in np.flatnonzero(seen).tolist():
@@ -196,29 +202,29 @@ def _swinging(
         # Two balls that are one for being side by side show parts in few frames.
         if len(tracks) >= (count or 1) and shown.sum() > _PARTS * seen.sum():
             return tracks, shown
-    tracks = _chosen(blobs, scored, sample, count, pivot)
+    tracks = _chosen(blobs, parts, sample, count, pivot)
     return tracks, np.all([track.is_seen for track in tracks], axis=0)
 
 
-def _scored(blobs: list[Blobs], sample: Sample, pivot: np.ndarray | None) -> list[_Scored]:
-    """Return what moves in a clip, with its score."""
+def _movers(blobs: list[Blobs], sample: Sample, pivot: np.ndarray | None) -> list[_Mover]:
+    """Return what moves in a clip."""
     tracks = [
         track.without_rests()
         for dear in _DEAR
         for track in link_movers(blobs, sample.copies, _MOVERS, dear)
     ]
-    return [(*_score(track, sample.times, pivot), track) for track in tracks]
+    return [_scored(track, sample.times, pivot) for track in tracks]
 
 
-def _best(scored: list[_Scored]) -> tuple[float, float, Trajectory | None]:
-    """Return the likeliest ball of what is seen often, with its score; none scores 0."""
-    often = [one for one in scored if one[2].is_seen.mean() > _SEEN]
-    return max(often, key=lambda one: one[0], default=(0.0, math.inf, None))
+def _best(movers: list[_Mover]) -> _Mover | None:
+    """Return the likeliest ball of what is seen often, None if there is none."""
+    often = [one for one in movers if one.likely > 0.0 and one.track.is_seen.mean() > _SEEN]
+    return max(often, key=lambda one: one.likely, default=None)
 
 
 def _chosen(
     blobs: list[Blobs],
-    scored: list[_Scored],
+    movers: list[_Mover],
     sample: Sample,
     count: int | None,
     pivot: np.ndarray | None,
@@ -230,32 +236,33 @@ def _chosen(
     InputError
         If there are fewer than asked for.
     """
-    best, off, first = _best(scored)
-    if first is None or not best > 0.0:
-        leaps = any(_leaps(track) for _, _, track in scored)
+    best = _best(movers)
+    if best is None:
+        leaps = any(_leaps(one.track) for one in movers)
         reason = ": what moves leaps from one frame to the next" if leaps else ""
         raise InputError(f"no moving ball was found{reason}", way_out="point at pivot and ball")
+    first = best.track
     if first.is_rod:
         raise broken("long_and_thin")
     # Its look is known now: it and another ball like it are linked again by that, apart.
     again, left = link_alike(blobs, first, _DEAR[0])
     other, _ = link_alike(left, first, _DEAR[0])
     again, other = again.without_rests(), other.without_rests()
-    pair = [(*_score(track, sample.times, pivot), track) for track in (again, other)]
-    if count != 1 and all(_may_swing(one, off) for one in pair) and are_alike(again, other):
+    pair = [_scored(track, sample.times, pivot) for track in (again, other)]
+    if count != 1 and all(_may_swing(one, best.off) for one in pair) and are_alike(again, other):
         return [again, other]
     others = [
-        (one[0], one[2])
-        for one in scored
-        if _may_swing(one, off)
-        and (are_alike(first, one[2]) or _share_circle(first, one[2], sample))
+        one
+        for one in movers
+        if _may_swing(one, best.off)
+        and (are_alike(first, one.track) or _share_circle(first, one.track, sample))
     ]
-    second = max(others, key=lambda one: one[0], default=None)
+    second = max(others, key=lambda one: one.likely, default=None)
     if count == 2 and second is None:
         raise InputError(
             "only one moving ball was found, not two", way_out="point at pivot and both balls"
         )
-    return [first] if second is None or count == 1 else [first, second[1]]
+    return [first] if second is None or count == 1 else [first, second.track]
 
 
 def _share_circle(first: Trajectory, other: Trajectory, sample: Sample) -> bool:
@@ -282,17 +289,16 @@ def _leaps(track: Trajectory) -> bool:
     return bool(np.nanmedian(ways) > track.radius)
 
 
-def _may_swing(scored: _Scored, first: float) -> bool:
-    """Return whether something may be a ball by its score and by how far it is off a circle.
+def _may_swing(one: _Mover, first: float) -> bool:
+    """Return whether something may be a ball by how likely it is and how far off a circle.
 
     It may be about as far off as the `first` ball, for their pivot may move in any way.
     """
-    score, off, _ = scored
-    return score > 0.0 and off < max(1.0, _OFF_TOO * first)
+    return one.likely > 0.0 and one.off < max(1.0, _OFF_TOO * first)
 
 
-def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tuple[float, float]:
-    """Return how likely something that moves is the ball, 0 for surely not, and how far off it is.
+def _scored(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> _Mover:
+    """Return something that moves with how likely it is the ball, 0 for surely not.
 
     The ball is seen often, goes far without leaps, moves on smoothly, is large, and runs on a
     circle about a pivot that rests or is driven, about the one that is known if any is. It is less
@@ -301,9 +307,9 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     share, travel = float(track.is_seen.mean()), track.travel
     rough = track.roughness
     if track.is_seen.sum() < _FEWEST or rough > _ROUGHEST:
-        return 0.0, math.inf
+        return _Mover(track, 0.0, math.inf)
     if travel < max(_TRAVELS * track.radius, _ALL_WAY * track.extent):
-        return 0.0, math.inf
+        return _Mover(track, 0.0, math.inf)
     some = _some(track.places)
     if pivot is None:
         interval = float(np.median(np.diff(times)))
@@ -312,8 +318,8 @@ def _score(track: Trajectory, times: np.ndarray, pivot: np.ndarray | None) -> tu
     else:
         away = np.hypot(*(track.places[some] - pivot).T)
         off = float(np.ptp(np.quantile(away, [0.1, 0.9])) / (_ABOUT * np.median(away)))
-    likely = 1.0 / (1.0 + off**2) / (1.0 + (rough / _ROUGH) ** 4)
-    return math.sqrt(share) * travel * track.radius * likely, off
+    smooth = 1.0 / (1.0 + off**2) / (1.0 + (rough / _ROUGH) ** 4)
+    return _Mover(track, math.sqrt(share) * travel * track.radius * smooth, off)
 
 
 def _begun(video: Video, sample: Sample, shown: np.ndarray, count: int, *, is_free: bool) -> Sample:
