@@ -467,12 +467,34 @@ def test_from_a_start_that_runs_away_the_motion_is_that_of_the_run():
     )  # fmt: skip
     assert curve.attrs["bifurcation"] == "period_doubling"
     assert curve.largest_angle.min() > 2.5  # it swings to the top, as the toy does
+    # It says so, and where the curve begins; the laws are those that were given.
+    message = curve.attrs["message"]
+    assert message.startswith("no bifurcation was found near drive_amplitude = 0.06 m, ")
+    assert "the motion in which the run from the guess settles meets at" in message
+    assert curve.attrs["drive_amplitude"] == toy.drive.drive_amplitude
 
 
-def test_no_bifurcation_near_a_start_is_said():
-    with pytest.warns(RuntimeWarning, match="no fold of a motion of one drive period was found"):
+def test_a_string_goes_slack_where_the_motion_near_the_guess_meets_that():
+    system = ll.Pendulum(length=0.3, mass=0.1, damping=0.02, suspension="string")
+    drive = ll.Harmonic(drive_amplitude=0.0201, drive_frequency=1.9 * system.natural_frequency)
+    curve = bifurcation_curve(
+        system, drive, kind="slack_onset", parameters=("amplitude_ratio", "frequency_ratio"),
+        low=(0.01, 1.7), high=(0.4, 2.2), points=10,
+    )  # fmt: skip
+    assert curve.attrs["bifurcation"] == "slack_onset"
+    assert curve.sizes["point"] == 10
+    assert "no slack onset was found near amplitude_ratio = 0.067" in curve.attrs["message"]
+    # The ball hangs still: its string goes slack where the drive accelerates as gravity does.
+    assert np.abs(curve.largest_angle).max() < 1e-12
+    np.testing.assert_allclose(curve.amplitude_ratio * curve.frequency_ratio**2, 1.0, atol=1e-9)
+
+
+@pytest.mark.parametrize("kind", ["fold", None])
+def test_no_bifurcation_near_a_start_is_said(kind):
+    why = f"no {kind or 'bifurcation'} of a motion of one drive period was found"
+    with pytest.warns(RuntimeWarning, match=why):
         curve = bifurcation_curve(
-            TOY, shake(2.2, 0.03, TOY), kind="fold", low=(0.029, 2.19), high=(0.031, 2.21),
+            TOY, shake(2.2, 0.03, TOY), kind=kind, low=(0.029, 2.19), high=(0.031, 2.21),
             initial_angle=0.3177, initial_angular_velocity=5.398,
         )  # fmt: skip
     assert curve.status.item() == "not found"

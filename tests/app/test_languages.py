@@ -60,7 +60,8 @@ WORDS = (
 )  # fmt: skip
 # Words in results of analyses: what became of them, kinds of events, balls, systems.
 RESULTS = (
-    "all at once", "any push", "aperiodic", "ballpair", "bottom", "branch point", "broad", "broken",
+    "all at once", "any push", "aperiodic", "ballpair", "bifurcation", "bottom", "branch point",
+    "broad", "broken",
     "chaotic", "closed", "complete", "contradicted", "converged", "cusp", "degenerate",
     "degenerate pitchfork", "down", "drifting", "end of range", "event limit", "failed", "fold",
     "fold flip", "found", "generalised flip", "grazing", "hysteresis", "interrupted", "invalid",

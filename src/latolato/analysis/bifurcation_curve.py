@@ -7,7 +7,7 @@ import re
 import warnings
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Annotated, Any, Literal, get_args
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple, get_args
 
 import numpy as np
 
@@ -41,11 +41,11 @@ from latolato.analysis.orbits import (
     run_elsewhere,
     scale_of,
 )
-from latolato.analysis.registry import analyses, labelled, warn
-from latolato.analysis.rules import broken_analysis
+from latolato.analysis.registry import analyses, labelled, note, warn
+from latolato.analysis.rules import broken_analysis, said
 from latolato.analysis.self_start import resting_angles
-from latolato.analysis.special_point import SpecialPoint, check_left_out
-from latolato.core.errors import InputError, Word, joined, name_gap
+from latolato.analysis.special_point import SpecialPoint, check_left_out, laws_of
+from latolato.core.errors import InputError, Sentence, Word, joined, name_gap
 from latolato.core.parameters import UnitOf
 from latolato.core.quantities import COUNT, Quantity
 from latolato.core.registry import checked_number
@@ -77,6 +77,7 @@ _NEUTRAL = 1.0 + 1e-5
 _SAMPLES = 2000
 # Most points of a branch on which a bifurcation is looked for.
 _SEARCHED = 60
+_DIRECTIONS: tuple[Literal["up", "down"], ...] = ("up", "down")
 # Where closed motions are looked for beside a guess, as shares of the parameters' ranges, and how
 # near they must be, in natural units.
 _BESIDE = (0.0, 3e-4, 3e-3)
@@ -200,26 +201,35 @@ def bifurcation_curve(
         special = SpecialPoint.of(at, system, drive)
         system, drive, period = special.system, special.drive, special.period
         initial_angle, initial_angular_velocity = special.angle, special.angular_velocity
-        found = "slack_onset" if special.kind == "slackens" else special.kind
-        if found not in KINDS:
+        if _kind_of(special.kind) not in KINDS:
             raise broken_analysis("kind_of_point", {"kind": special.kind}, parameter="at")
-        kind = KINDS[KINDS.index(found)]
+        kind = KINDS[KINDS.index(_kind_of(special.kind))]
     flow = checked_flow(system, drive, contact=contact, tolerance=tolerance, rest_speed=rest_speed)
     plane = _checked_plane(flow, parameters, low, high)
     guess = checked_guess(flow, initial_angle, initial_angular_velocity, initial_offset)
-    sought = (kind,) if kind else tuple(_CRITICAL)
+    candidates = (kind,) if kind else tuple(_CRITICAL)
+    asked = _word_of(kind) if kind else Word("bifurcation")
     kind = kind or _nearest_kind(plane, guess, period)
     _check_kind(flow, kind)
     condition, unknowns = _condition_of(plane, kind, guess, period)
     curve = Curve(condition)
     first = None if unknowns is None else curve.begin(unknowns)
     if first is None and at is None:
-        place = _special_point(plane, sought, guess, period, contact)
-        if place is not None:
-            return bifurcation_curve(
-                system, drive, at=place, parameters=parameters, low=low, high=high, points=points,
-                contact=contact, tolerance=tolerance, rest_speed=rest_speed, progress=progress,
+        met = _nearest_met(
+            plane, candidates, guess, period=period, contact=contact, progress=progress
+        )
+        if met is not None:
+            curve_there = bifurcation_curve(
+                system, drive, at=met.point, parameters=parameters, low=low, high=high,
+                points=points, contact=contact, tolerance=tolerance, rest_speed=rest_speed,
+                progress=progress and (lambda share: progress(0.5 + 0.5 * share)),
             )  # fmt: skip
+            # The laws stay those that were given; where the curve begins is said.
+            gaps = {"asked": asked, "where": _place(plane), **met.gaps(flow)}
+            message = note(
+                said("met_where_settled", **gaps) if met.settles else said("met_near_guess", **gaps)
+            )
+            return curve_there.assign_attrs(laws_of(system, flow.drive), message=message)
     curve_points: list[CurvePoint] = []
     specials: list[Special] = []
     ends = ["", ""]
@@ -228,9 +238,7 @@ def bifurcation_curve(
         curve_points, specials, ends = _both_ways(curve, first, points, progress)
         status = next((each for each in ("closed", "interrupted") if each in ends), "complete")
     if status in ("not found", "singular"):
-        pairs = zip(plane.names, plane.values, strict=True)
-        where = joined([named_value(flow, name, float(value)) for name, value in pairs], ", ")
-        values = {"kind": _word_of(kind), "where": where}
+        values = {"kind": asked, "where": _place(plane)}
         nearest = _nearest_kind(plane, guess, period)
         rule = "no_bifurcation" if period == 1 else "no_bifurcation_of_several"
         if kind in _CRITICAL and nearest != kind:
@@ -277,39 +285,78 @@ def _checked_plane(flow: Flow, names: Any, low: Any, high: Any) -> Plane:
     return plane
 
 
-def _special_point(
-    plane: Plane, kinds: Sequence[str], guess: Floats, period: int, contact: str | None
-) -> xr.DataArray | None:
-    """Return the nearest special point of these kinds where one parameter alone varies.
+class _Met(NamedTuple):
+    """A special point that a motion meets where one parameter alone varies.
 
-    That of the motion in which the run from the guess settles, or else of that near the guess.
+    The motion is the one in which the run from the guess settles, or the one near the guess.
+    """
+
+    point: xr.DataArray
+    settles: bool
+
+    def gaps(self, flow: Flow) -> dict[str, Any]:
+        """Return what the rule says of the point."""
+        name, value = str(self.point.attrs["parameter"]), float(self.point["special_value"])
+        kind = _word_of(_kind_of(str(self.point["special_kind"].item())))
+        return {"kind": kind, "place": named_value(flow, name, value)}
+
+
+def _nearest_met(
+    plane: Plane,
+    kinds: Sequence[str],
+    guess: Floats,
+    *,
+    period: int,
+    contact: str | None,
+    progress: Callable[[float], None] | None,
+) -> _Met | None:
+    """Return the nearest bifurcation of these kinds that the motion meets, None if it meets none.
+
+    The motion is the one in which the run from the guess settles, or where that meets none the one
+    near the guess. Each parameter varies alone, up and down, on at most `_SEARCHED` points, so this
+    takes up to eight branches; it can miss what lies beyond those, and all that both must reach.
     """
     flow = plane.flow
     orbit = find_orbit(flow, guess, period)
-    elsewhere = run_elsewhere(orbit, guess) if orbit.defect <= CLOSED else None
-    for start in [guess] if elsewhere is None else [elsewhere[1], guess]:
+    settled = run_elsewhere(orbit, guess) if orbit.defect <= CLOSED else None
+    starts = [(False, guess)] if settled is None else [(True, settled[1]), (False, guess)]
+    for settles, start in starts:
         angle, velocity = (np.squeeze(each).tolist() for each in (start[0::2], start[1::2]))
-        found: list[tuple[float, xr.DataArray]] = []
+        distances: list[tuple[float, xr.DataArray]] = []
         limits = zip(plane.names, plane.values, plane.low, plane.high, strict=True)
-        for name, value, low, high in limits:
-            for direction in ("up", "down"):
-                with warnings.catch_warnings():
-                    warnings.simplefilter("ignore", RuntimeWarning)  # of a branch that is lost
-                    branch = continue_orbit(
-                        flow.system, flow.drive, parameter=name, low=low, high=high,
-                        direction=direction, initial_angle=angle,
-                        initial_angular_velocity=velocity, period=period, points=_SEARCHED,
-                        contact=contact, tolerance=flow.tolerance,
-                        rest_speed=flow.rest_speed,
-                    )  # fmt: skip
-                found += [
-                    (abs(float(each["special_value"]) - value) / (high - low), each)
-                    for each in branch["special"]
-                    if each["special_kind"].item() in kinds
-                ]
-        if found:
-            return min(found, key=lambda each: each[0])[1]
+        ways = [(*each, direction) for each in limits for direction in _DIRECTIONS]
+        for k, (name, value, low, high, direction) in enumerate(ways):
+            if progress:  # the curve itself is the other half
+                progress(0.5 * k / len(ways))
+            with warnings.catch_warnings():
+                # A branch that is lost shows what it met before.
+                warnings.simplefilter("ignore", RuntimeWarning)
+                branch = continue_orbit(
+                    flow.system, flow.drive, parameter=name, low=low, high=high,
+                    direction=direction, initial_angle=angle,
+                    initial_angular_velocity=velocity, period=period, points=_SEARCHED,
+                    contact=contact, tolerance=flow.tolerance,
+                    rest_speed=flow.rest_speed,
+                )  # fmt: skip
+            distances += [
+                (abs(float(each["special_value"]) - value) / (high - low), each)
+                for each in branch["special"]
+                if _kind_of(each["special_kind"].item()) in kinds
+            ]
+        if distances:
+            return _Met(min(distances, key=lambda each: each[0])[1], settles)
     return None
+
+
+def _place(plane: Plane) -> Sentence:
+    """Return the values of both parameters in words."""
+    pairs = zip(plane.names, plane.values, strict=True)
+    return joined([named_value(plane.flow, name, float(value)) for name, value in pairs], ", ")
+
+
+def _kind_of(special: str) -> str:
+    """Return the kind of the curve that begins at a special point, by the point's kind."""
+    return "slack_onset" if special == "slackens" else special
 
 
 def _word_of(kind: str) -> Word:

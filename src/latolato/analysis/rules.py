@@ -204,14 +204,22 @@ RULES = {
     ),
     "value_of": Rule("{name} = {value:.6g}{unit}"),
     "no_bifurcation": Rule(
-        "no {kind} of a motion of one drive period was found near {where}, nor where one of both "
+        "no {kind} of a motion of one drive period was found near {where}, nor where one of the "
         "parameters varies alone; widen {@low} and {@high}, choose another {@kind}, or begin with "
         "another motion"
     ),
     "no_bifurcation_of_several": Rule(
         "no {kind} of a motion of {period} drive periods was found near {where}, nor where one of "
-        "both parameters varies alone; widen {@low} and {@high}, choose another {@kind}, or begin "
+        "the parameters varies alone; widen {@low} and {@high}, choose another {@kind}, or begin "
         "with another motion"
+    ),
+    "met_near_guess": Rule(
+        "no {asked} was found near {where}: this is the {kind} that the motion near the guess "
+        "meets at {place}, where that parameter varies alone"
+    ),
+    "met_where_settled": Rule(
+        "no {asked} was found near {where}: this is the {kind} that the motion in which the run "
+        "from the guess settles meets at {place}, where that parameter varies alone"
     ),
     "other_bifurcation": Rule(
         "no {kind} was found near {where}, where {nearest} is the nearest bifurcation of the "
