@@ -1,17 +1,21 @@
 """Pivots where strings meet, and what moves on as a ball does."""
 
 import warnings
+from types import SimpleNamespace
 
 import cv2
 import numpy as np
 import pytest
 
 import latolato as ll
+from latolato.experiment.calibration.orbit import circle
 from latolato.experiment.synthetic.scene import Camera, Scene
 from latolato.experiment.synthetic.synthesise import synthesise_video
 from latolato.experiment.tracking.detect import Copies
-from latolato.experiment.tracking.link import Trajectory
+from latolato.experiment.tracking.link import Trajectory, are_alike
+from latolato.experiment.tracking.propose import _followed, _share_circle
 from latolato.experiment.tracking.strings import Lines
+from latolato.experiment.video import Frame
 
 PIVOT = np.array([90.0, 20.0])
 
@@ -59,6 +63,55 @@ def test_strings_of_a_ball_that_hardly_leaves_its_place_meet_at_the_pivot(swing)
 def trajectory(places):
     count = len(places)
     return Trajectory(places, np.full(count, 5.0), np.full(count, 5.0), np.zeros((count, 3)))
+
+
+def about(pivot, arm, angles):
+    return pivot + arm * np.column_stack([np.sin(angles), np.cos(angles)])
+
+
+# Ways of things that move beside a ball, by its places; it hangs 80 pixels below the pivot.
+BESIDE = {
+    "other ball": lambda ball, turns: 2.0 * PIVOT * [1, 0] + ball * [-1, 1],
+    "shadow": lambda ball, turns: ball + np.array([14.0, 6.0]),
+    "large shadow": lambda ball, turns: PIVOT + 1.6 * (ball - PIVOT),
+    "weight above": lambda ball, turns: 2.0 * PIVOT - ball,
+    "dot that spins": lambda ball, turns: (
+        PIVOT
+        + np.array([120.0, 40.0])
+        + 40.0 * np.column_stack([np.cos(2.0 * turns), np.sin(2.0 * turns)])
+    ),
+    "hand on an arc": lambda ball, turns: (
+        PIVOT
+        + np.array([60.0, 90.0])
+        + 50.0 * np.column_stack([np.sin(0.7 * turns), np.cos(0.7 * turns)])
+    ),
+    "up and down": lambda ball, turns: np.column_stack(
+        [np.full_like(turns, 150.0), 80.0 + 40.0 * np.sin(turns)]
+    ),
+}
+
+
+@pytest.mark.parametrize("name", BESIDE)
+def test_only_a_ball_swings_about_the_pivot_at_a_distance_that_varies(name):
+    turns = np.arange(120) / 5.0
+    angles = 0.4 + 0.35 * np.cos(turns)
+    ball = about(PIVOT, 80.0, angles)
+    first, other = trajectory(ball), trajectory(BESIDE[name](ball, turns))
+    other.colours[:] = [200.0, 60.0, 90.0]
+    sample = SimpleNamespace(times=np.arange(120) / 30.0, interval=1.0 / 30.0)
+    assert not are_alike(first, other)
+    assert _share_circle(first, other, sample) == (name == "other ball")
+
+
+def test_what_crosses_the_picture_has_no_pivot_to_follow():
+    places = np.column_stack([np.linspace(10.0, 310.0, 60), np.full(60, 120.0)])
+    first = circle([place[None] for place in places], np.zeros((60, 2)))
+    assert first.arm > 1e5
+    plane = np.zeros((240, 320), np.uint8)
+    frames = [Frame(k, k / 30.0, plane, plane[::2, ::2], plane[::2, ::2]) for k in range(60)]
+    video = SimpleNamespace(width=320, height=240)
+    groups = [place[None] for place in places]
+    assert _followed(video, frames, groups, 8.0, first, None) is first
 
 
 def test_a_swing_is_as_rough_as_its_frames_are_few_and_flicker_is_rougher():

@@ -19,6 +19,9 @@ _STRONGEST = 0.3
 _SURE = 2.5
 # Least error of the distances that changes along the path [pixels]: no place is known better.
 _UNEVEN = 0.01
+# How far beside the middle of a pivot a click may be, as a share of the arm, before a lens is the
+# better reason for it.
+_BESIDE = 0.005
 # Noise above which a distance is a mistake of the tracker [pixels].
 _ROBUST = 0.3
 
@@ -80,7 +83,7 @@ def lens_errors(
     noise : float
         Scatter of the distances from the pivot [pixels].
     pivot_sigma : float
-        Error of the place where the pivot was taken to be [pixels].
+        Standard deviation of the place where the pivot was taken to be [pixels].
 
     Notes
     -----
@@ -93,19 +96,23 @@ def lens_errors(
     count = int(use.sum())
     if count < _FEWEST:
         return None
-    thin = slice(None, None, math.ceil(count / _MOST))
+    # One place for each pixel of the path: a ball that is held tells no more by resting longer.
+    arm = float(np.median(np.linalg.norm(balls[use] - pivots[use], axis=1)))
+    _, thin = np.unique(np.rint(arm * angles[use]), return_index=True)
+    thin = thin[:: math.ceil(len(thin) / _MOST)]
     some, about = balls[use][thin], pivots[use][thin]
 
     def away(k1: float, balls: np.ndarray, pivots: np.ndarray) -> np.ndarray:
         lens = Optics(lens_k1=k1)
         return np.asarray(undistorted(balls, size, lens) - undistorted(pivots, size, lens))
 
+    belief = np.zeros(2), math.hypot(pivot_sigma, _BESIDE * arm)
     left = _UNEVEN
     for _ in range(2):  # what it leaves is known once it is fitted
         sigma = math.sqrt(len(some) * (left**2 + noise**2 / count))
         fit = fit_circle(
             lambda k1: away(k1, some, about), sigma,
-            robust=_ROBUST, belief=(np.zeros(2), pivot_sigma), extra=[0.0], limits=[_STRONGEST],
+            robust=_ROBUST, belief=belief, extra=[0.0], limits=[_STRONGEST],
         )  # fmt: skip
         left = math.sqrt(max(fit.residual**2 - noise**2, _UNEVEN**2))
     k1 = float(fit.extra[0])

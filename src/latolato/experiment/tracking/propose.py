@@ -19,7 +19,6 @@ from latolato.experiment.tracking.detect import Blobs, detect, shrunk
 from latolato.experiment.tracking.link import (
     Trajectory,
     are_alike,
-    extent_of,
     length_of_clear,
     link_alike,
     link_clicked,
@@ -53,8 +52,8 @@ _ROUGH, _ROUGHEST = 0.5, 0.75
 _LOOSE, _LOOSE_SHARE = 0.75, 0.015
 # By how much distances from a pivot that is known, and may be driven, vary at most, as a share.
 _ABOUT = 0.5
-# How much the way from one ball to the other changes at least, as a share of the first one's way.
-_GOES_ALONG = 0.4
+# How much the distance of two balls varies at least, as a share of the first one's way.
+_DISTANCES = 0.4
 # By which factor the other ball of a pair may be farther off a circle than the first one.
 _OFF_TOO = 1.5
 # How near centres of circles are that are one pivot, as a share of the larger arm.
@@ -67,8 +66,9 @@ _OFF, _OFF_SHARE = 4.5, 0.03
 _ROUND, _ROUND_SHARE = 0.75, 0.003
 # Uncertainty of the circle's centre, as a share of the arm, above which there is no pivot.
 _VAGUE = 0.04
-# Arm of the coarse pictures in which the pivot is followed [pixels].
-_FINE = 160.0
+# Arm of the coarse pictures in which the pivot is followed, and how far it is from their edges
+# [pixels of them].
+_FINE, _MARGIN = 160.0, 12.0
 # Where else the pivot may be in the first frame, above and below the centre, and how far it may
 # move to the side, as shares of the arm.
 _TRIALS, _ASIDE = (0.0, -0.07, 0.07), 0.1
@@ -266,19 +266,22 @@ def _chosen(
 
 
 def _share_circle(first: Trajectory, other: Trajectory, sample: Sample) -> bool:
-    """Return whether two things swing about one pivot, the one not always beside the other.
+    """Return whether two things swing about one pivot, not always as far from each other.
 
-    They are balls of any colour then: a shadow goes along with its ball, as do parts of one thing.
+    They are balls of any colour then: a shadow goes along with its ball, and parts of one thing, as
+    a weight above the pivot, keep their distance. Where the first one alone shows a pivot at rest,
+    both must: a pivot that may move makes one circle of many paths.
     """
     if not may_be_pair(first, other):
         return False
-    apart = other.places - first.places
-    if extent_of(apart[np.isfinite(apart[:, 0])]) < _GOES_ALONG * first.travel:
+    apart = np.linalg.norm(other.places - first.places, axis=1)
+    if np.ptp(np.nanquantile(apart, [0.02, 0.98])) < _DISTANCES * first.travel:
         return False
     some = _some(first.places, other.places)
     places = [track.places[some] for track in (first, other)]
-    orbit = better(*_circles(places, sample.times[some], sample.interval))
-    return orbit is not None and orbit.residual < _LOOSE + _LOOSE_SHARE * first.travel
+    if _at_rest([first.places]) is not None:
+        return _at_rest(places) is not None
+    return _is_round(better(*_circles(places, sample.times[some], sample.interval)))
 
 
 def _leaps(track: Trajectory) -> bool:
@@ -495,7 +498,7 @@ def _followed(
     size = np.array([video.width, video.height])
     # A third of the pairs of frames is enough, and so are coarse pictures.
     kept = [k for k in range(len(frames)) if (k // 2) % max(1, len(frames) // 32) == 0]
-    fold = max(1, int(first.arm / _FINE))
+    fold = int(np.clip(first.arm / _FINE, 1.0, size.min() / (2.0 * _MARGIN)))
     # Chroma is not needed.
     coarse = [frames[k]._replace(luma=shrunk(frames[k].luma, fold)) for k in kept]
     median = median_planes(coarse)[0]
@@ -507,7 +510,7 @@ def _followed(
         starts.insert(0, (meeting, arm))
     for centre, arm in starts:
         for _ in range(3):
-            if (np.minimum(centre, size - 1.0 - centre) < 12.0 * fold).any():
+            if (np.minimum(centre, size - 1.0 - centre) < _MARGIN * fold).any():
                 break
             strings = Strings.between(centre / fold, shown / fold, radius / fold)
             place, length = (centre + 0.5) / fold - 0.5, arm / fold
