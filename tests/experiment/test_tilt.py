@@ -63,7 +63,7 @@ def test_the_whole_path_is_followed_and_angles_are_those_in_the_plane(film, yaw,
     turn = np.array([[math.cos(0.05), -math.sin(0.05)], [-math.sin(0.05), -math.cos(0.05)]])
     pivot = [truth.attrs[f"pivot_pixel_{axis}"] for axis in "uv"]
     places = pivot + flat @ turn.T / truth.attrs["metres_per_pixel"]
-    assert np.nanmax(np.abs(places_of(table, SIZE)[1][:, 0] - places)) < 1.0
+    assert np.nanmax(np.abs(places_of(table, size=SIZE)[1][:, 0] - places)) < 1.0
 
 
 def test_a_driven_pivot_seen_at_an_angle(film):
@@ -79,7 +79,7 @@ def test_without_a_scale_the_circle_and_the_model_are_on_the_oval_too(film):
     ok = table.flag_1.values == "ok"
     assert np.std(circle_distances(table, 1)[ok]) < 0.5
     motion = [(table.time.values, table.angle_1.values)]
-    _, arrays = unpack(model_block(table, "decay", motion, SIZE))
+    _, arrays = unpack(model_block(table, "decay", motion, size=SIZE))
     shown = np.stack([table.ball_1_u, table.ball_1_v])
     assert np.nanmax(np.abs(arrays["centre"] - shown)[:, ok]) < 1.5
     assert ok.mean() > 0.98
@@ -96,7 +96,7 @@ def _places(tilt, axis, widest, noise=0.1):
 
 @pytest.mark.parametrize("tilt,axis", [(0.5, 0.0), (0.9, 0.4), (0.4, -1.2), (1.0, 1.57)])
 def test_tilt_and_its_axis_are_found(tilt, axis):
-    found = fit_tilt(*_places(tilt, axis, 1.2), SIZE)
+    found = fit_tilt(*_places(tilt, axis, 1.2), size=SIZE)
     assert abs(found.angle - tilt) < 3.0 * found.sigma < 0.1
     assert abs(math.remainder(found.axis - axis, math.pi)) < 0.03
     flat = np.array([[30.0, 200.0]])
@@ -105,12 +105,16 @@ def test_tilt_and_its_axis_are_found(tilt, axis):
 
 
 def test_a_tilt_about_a_pivot_that_was_found_is_seen_but_known_less_well():
-    clicked, found = (fit_tilt(*_places(0.2, 0.0, 1.1), SIZE, sigma) for sigma in (1.0, 6.0))
+    clicked, found = (
+        fit_tilt(*_places(0.2, 0.0, 1.1), size=SIZE, pivot_sigma=sigma) for sigma in (1.0, 6.0)
+    )
     assert abs(found.angle - 0.2) < found.sigma
     assert found.sigma > 1.5 * clicked.sigma
     places, pivots = _places(0.4, 0.0, 1.2)
     pivots[:, 1] += 6.0
-    clicked, found = (fit_tilt(places, pivots, SIZE, sigma) for sigma in (1.0, 6.0))
+    clicked, found = (
+        fit_tilt(places, pivots, size=SIZE, pivot_sigma=sigma) for sigma in (1.0, 6.0)
+    )
     assert abs(found.angle - 0.4) < found.sigma
     assert abs(clicked.angle - 0.4) > 3.0 * clicked.sigma  # so far off is no click
 
@@ -119,9 +123,9 @@ def test_a_pivot_that_is_off_is_no_tilt():
     # The ball swings about a hinge half way down, to 9 degrees as seen from the pivot pointed at.
     places, pivots = _places(0.0, 0.0, 0.3)
     places = pivots + [0.0, 90.0] + 0.3 * (places - pivots)
-    assert fit_tilt(places, pivots, SIZE) is None
+    assert fit_tilt(places, pivots, size=SIZE) is None
 
 
 @pytest.mark.parametrize("tilt,widest", [(0.0, 1.2), (0.5, 0.03)])
 def test_no_tilt_is_found_on_a_circle_and_on_a_narrow_arc(tilt, widest):
-    assert fit_tilt(*_places(tilt, 0.0, widest), SIZE) is None
+    assert fit_tilt(*_places(tilt, 0.0, widest), size=SIZE) is None

@@ -239,10 +239,10 @@ def test_balls_that_are_seen_alone_at_the_place_of_the_other_are_doubtful():
     swing = 0.09 + 0.31 * np.abs(np.cos(5.0 * np.arange(90) / 30.0))
     angles, good = np.column_stack([swing, -swing]), np.ones((90, 2), bool)
     taken = [9, 29, 47, 66]
-    assert not may_be_other(angles, good, 0.15).any()
+    assert not may_be_other(angles, good, gap=0.15).any()
     angles[taken, 0] = -swing[taken]
     good[taken, 1] = False
-    doubtful = may_be_other(angles, good, 0.15)
+    doubtful = may_be_other(angles, good, gap=0.15)
     assert np.flatnonzero(doubtful[:, 0]).tolist() == taken
     assert not doubtful[:, 1].any()
 

@@ -153,7 +153,7 @@ def calibrate(
     if circle is None:
         hinge = find_hinge(away[use], seen.angles[use], noise=noise, pivot_sigma=pivot_sigma)
         if not optics.row_time:
-            tilt = fit_tilt(centres[use], about[use], size, pivot_sigma) or tilt
+            tilt = fit_tilt(centres[use], about[use], size=size, pivot_sigma=pivot_sigma) or tilt
         if tilt.angle > 0.0:
             unsure, shown = tilt.errors(away), np.linalg.norm(away, axis=-1)
             away = tilt.flat(away)

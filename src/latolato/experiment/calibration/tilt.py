@@ -112,6 +112,7 @@ def _matrix(stretch: np.ndarray) -> np.ndarray:
 def fit_tilt(
     places: np.ndarray,
     pivots: np.ndarray,
+    *,
     size: tuple[int, int],
     pivot_sigma: float = CLICK_SIGMA,
 ) -> Tilt | None:

@@ -190,7 +190,7 @@ def _oval(
     distances = np.hypot(*(places - pivots).T)
     if len(places) < _FEWEST or np.ptp(np.quantile(distances, [0.05, 0.95])) < _OVAL * radius:
         return Tilt()
-    return fit_tilt(places, pivots, size) or Tilt()
+    return fit_tilt(places, pivots, size=size) or Tilt()
 
 
 def _spread(values: np.ndarray) -> float:

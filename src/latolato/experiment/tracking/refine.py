@@ -339,7 +339,7 @@ class _Refiner:
         good = self._is_good(slice(None))
         good &= self.is_fixed | ~(repeats[:, None] & (is_converted | self._is_old(repeats, good)))
         if scene.balls == 2:
-            good &= ~may_be_other(out.angles, good, self.gap) | self.is_fixed
+            good &= ~may_be_other(out.angles, good, gap=self.gap) | self.is_fixed
         out.give_up(~good)
         out.flags[good] = "ok"
         for b in range(scene.balls):
@@ -441,7 +441,7 @@ def contact_times(times: np.ndarray, angles: np.ndarray, gap: float) -> list[flo
     return contacts
 
 
-def may_be_other(angles: np.ndarray, good: np.ndarray, gap: float) -> np.ndarray:
+def may_be_other(angles: np.ndarray, good: np.ndarray, *, gap: float) -> np.ndarray:
     """Return where one of two balls that is seen alone after a leap or a gap may be the other one.
 
     Parameters
