@@ -214,6 +214,19 @@ def test_a_page_says_at_once_what_an_analysis_cannot_treat(page):
     assert not refusal.is_visible()
 
 
+@pytest.mark.parametrize(
+    "address, given",
+    [
+        ("scenario=fig12&analyse.what=floquet", "got “FrequencySchedule”"),
+        ("scenario=fig12&analyse.what=floquet&lang=id", "tetapi diberikan “Frekuensi bertahap”"),
+        ("scenario=kapitza&analyse.what=pair_symmetry&lang=id", "tetapi diberikan “Bandul”"),
+    ],
+)
+def test_what_an_analysis_cannot_treat_has_its_name_on_the_page(page, address, given):
+    page.goto(f"/?view=analyse&{address}")
+    page.get_by_text(given).wait_for()
+
+
 @pytest.mark.parametrize("scenario", ["toy", "ballpair_asymmetric"])
 def test_the_motion_in_which_the_run_settles_is_a_press_away(page, scenario):
     page.goto(f"/?view=analyse&scenario={scenario}&analyse.what=floquet&analyse.ask=1")

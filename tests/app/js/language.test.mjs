@@ -2,7 +2,7 @@ import assert from "node:assert/strict";
 import { test } from "node:test";
 
 import { brokenRule, InputError, learnRules, refusal, unknown } from "../../../src/latolato/app/static/js/model/rules.js";
-import { inLanguage, inPagesWords, sentenceOfError, warningsText, sentenceInLanguage } from "../../../src/latolato/app/static/js/page/refusals.js";
+import { inLanguage, inPagesWords, learnKinds, sentenceOfError, warningsText, sentenceInLanguage } from "../../../src/latolato/app/static/js/page/refusals.js";
 import { sentence } from "../../../src/latolato/app/static/js/page/link_parts.js";
 import { inWords } from "../../../src/latolato/app/static/js/page/option_labels.js";
 import { inProse, shownEnd } from "../../../src/latolato/app/static/js/page/unit_text.js";
@@ -136,6 +136,22 @@ test("a sentence says what sets a parameter to a value: in Python's words, or in
   const error = new InputError(rule);
   assert.equal(error.message, "give suspension='rod' or damping=0, length=2");
   assert.equal(inPagesWords(registry, error)[0], "Give “hung on a” = “rod” or damping=0, “length” = 2");
+});
+
+test("names that were given are those of the page, in one pair of quotes", () => {
+  const registry = /** @type {any} */ ({ systems: { pendulum: { title: "Pendulum" } }, drives: { push: { title: "Push" } },
+    options: { length: { label: "Length", unit: "m" }, mass: { label: "Mass", unit: "kg" } } });
+  learnKinds(registry);
+  const says = (/** @type {any} */ value) =>
+    inPagesWords(registry, new InputError("must differ", { parameter: "drive", value }))[0];
+  assert.equal(says("push"), "drive must differ, got “Push”");
+  assert.equal(says("Pendulum"), "drive must differ, got “Pendulum”");
+  assert.equal(says(["length", "mass"]), "drive must differ, got “Length”, “Mass”");
+  assert.equal(says(["abc"]), "drive must differ, got 'abc'");
+  // What stands in the field of a number is as somebody typed it.
+  const typed = brokenRule("number_in_unit", { parameter: "length", value: ["push", "2"] }, { unit: "m" });
+  assert.match(inPagesWords(registry, typed)[0], /, got 'push', '2'$/);
+  assert.equal(inWords("did you mean 'drive_speed'?", { drive_speed: { label: "Speed" } }), "Did you mean “Speed”?");
 });
 
 test("a label stands in one pair of quotes, and a question ends as one", () => {

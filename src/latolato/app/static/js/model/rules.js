@@ -11,16 +11,17 @@
  * @typedef {{name: string, part: "rule" | "way_out", text: string, values: Record<string, Value>}} Sentence
  * @typedef {string | number | {word: string} | Sentence} Value
  *
- * Another language: a sentence by the name of its rule, undefined where it lacks that, words, and what
- * people call a parameter that a sentence names in a gap such as `{@end}`, or what sets it to a value: `{@end=2}`.
- * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined,
- *   word: (text: string) => string, label: (parameter: string, value?: string) => string}} RuleLanguage
+ * Another language: a sentence by the name of its rule, undefined where it lacks that, words, how what was given
+ * is written, and what people call a parameter that a sentence names in a gap such as `{@end}`, or what sets it to a
+ * value: `{@end=2}`.
+ * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined, word: (text: string) => string,
+ *   given: (value: any) => string, label: (parameter: string, value?: string) => string}} RuleLanguage
  */
 
 /** @type {Record<string, Rule>} */
 const RULES = {};
 /** @type {RuleLanguage} */
-const ENGLISH = { sentence: () => undefined, word: (text) => text, label: pythonName };
+const ENGLISH = { sentence: () => undefined, word: (text) => text, given: literal, label: pythonName };
 // A gap, and how many digits a number in it has.
 const GAP = /\{(@|@?\w+(?:=\w+)?)(?::(?:\.(\d+))?(g))?\}/g;
 const DIGITS = 6;
@@ -176,7 +177,7 @@ function worded(rule, about, name, language) {
       // A label has quotes of its own.
       : (name?.startsWith("\u201c") ? text.replaceAll("'{parameter}'", "{parameter}") : text)
         .replaceAll("{parameter}", String(name));
-  if ("value" in about) text += `, ${language.word("got")} ${about.shown ?? literal(about.value)}`;
+  if ("value" in about) text += `, ${language.word("got")} ${about.shown ?? language.given(about.value)}`;
   if (about.wayOut !== undefined) text += `; ${say(about.wayOut, language)}`;
   if (about.where !== undefined) text = `${about.where}: ${text}`;
   return text.replace(/\s+/g, " ").trim();

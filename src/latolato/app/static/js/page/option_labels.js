@@ -3,7 +3,7 @@
 import { capitalised } from "../strings.js";
 
 // Names of options: those of one word are words of other sentences too, but not as “… must be”.
-const NAMES = /\b[a-z]+(?:_[a-z\d]+)+\b|^[a-z]+(?= must )/g;
+const NAMES = /'([a-z]+(?:_[a-z\d]+)+)'|\b[a-z]+(?:_[a-z\d]+)+\b|^[a-z]+(?= must )/g;
 
 /**
  * Return a refusal with the words of the page for the options that it names; a name without such words stays.
@@ -22,5 +22,6 @@ export function inWords(text, words) {
  * @param {Record<string, {label: string}>} words
  */
 export function withLabels(text, words) {
-  return text.replace(NAMES, (word) => (word in words ? `“${words[word].label}”` : word));
+  // A label has quotes of its own.
+  return text.replace(NAMES, (word, name = word) => (name in words ? `“${words[name].label}”` : word));
 }

@@ -1,16 +1,14 @@
 /** Errors in the words of the pages. */
 
-import { asRead, InputError, pythonName, say } from "../model/rules.js";
+import { asRead, InputError, literal, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
 import { besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
-/** What the page calls the kinds of systems and drives. @type {Map<string, string>} */
+/** What the page calls systems and drives, by their kinds and by the names of their classes. @type {Map<string, string>} */
 const KINDS = new Map();
-/** @type {import("../model/rules.js").RuleLanguage} */
-const LANGUAGE = { sentence: ruleText, word: (text) => KINDS.get(text) ?? tr(text),
-  label: (parameter, value) => called(LABELS.get(parameter), parameter, value) };
+const LANGUAGE = naming({});
 // Rules of what is not given.
 const NEEDED = ["needed", "needed_by_analysis"];
 // Rules that refuse what is no number in the unit of an option.
@@ -45,7 +43,8 @@ export function learnLabels(options) {
  * @param {import("../model/registry.js").Registry} registry
  */
 export function learnKinds({ systems, drives }) {
-  for (const [kind, { title }] of Object.entries({ ...systems, ...drives })) KINDS.set(kind, tr(title));
+  for (const [kind, { title }] of Object.entries({ ...systems, ...drives }))
+    for (const name of [kind, title]) KINDS.set(name, tr(title));
 }
 
 /** @param {string} label */
@@ -125,8 +124,23 @@ export function sentenceOfError(error) {
  * @returns {import("../model/rules.js").RuleLanguage}
  */
 function naming(options) {
-  return { ...LANGUAGE, label: (parameter, value) =>
-    called(Object.hasOwn(options, parameter) ? options[parameter].label : LABELS.get(parameter), parameter, value) };
+  const labelOf = (/** @type {string} */ name) => (Object.hasOwn(options, name) ? options[name].label : LABELS.get(name));
+  return { sentence: ruleText, word: (text) => KINDS.get(text) ?? tr(text),
+    given: (value) => listed(value, (each) => {
+      const words = KINDS.get(each) ?? labelOf(each);
+      return words === undefined ? literal(each) : quoted(words);
+    }),
+    label: (parameter, value) => called(labelOf(parameter), parameter, value) };
+}
+
+/**
+ * Return what was given in words, the values of a list one after the other.
+ * @param {any} value
+ * @param {(each: any) => string} words
+ * @returns {string}
+ */
+function listed(value, words) {
+  return Array.isArray(value) ? value.map((each) => listed(each, words)).join(", ") : words(value);
 }
 
 /**
@@ -203,7 +217,7 @@ function inPlainWords({ unit, units = [], limits = [] }, error) {
   if (NUMBERS.includes(rule.name))
     // A phrase such as "per second" is no unit in which numbers are.
     return new InputError(t(shown && !shown.includes(" ") ? "refuseNumberIn" : "refuseNumber", { unit: shown }),
-      { ...error.about, value, ...(typeof value === "number" && { shown: withUnit(value) }) });
+      { ...error.about, value, shown: listed(value, (each) => (typeof each === "number" ? withUnit(each) : literal(each))) });
   if (typeof value !== "number") return error;
   const lower = (/** @type {number} */ end) => withUnit(shownEnd(end / size, true) * size);
   const upper = (/** @type {number} */ end) => withUnit(shownEnd(end / size, false) * size);
