@@ -433,15 +433,23 @@ def test_a_link_computes_at_once(page):
     page.wait_for_selector("[data-answers='2']")
 
 
-def test_names_of_parameters_are_typed_as_words(page):
-    page.goto("/?view=analyse&scenario=fig03a&analyse.what=bifurcation_curve")
-    field = page.get_by_label("Parameters", exact=True)
-    field.wait_for()
-    assert field.input_value() == "drive_amplitude, frequency_ratio"
-    enter(field, "banana, length")
-    page.wait_for_url("**analyse.parameters=banana**")
+def test_both_parameters_of_a_curve_are_chosen_by_their_labels(page):
+    curve = "/?view=analyse&scenario=fig03a&analyse.what=bifurcation_curve"
+    page.goto(f"{curve}&lang=id")
+    page.get_by_label("Parameter kedua").wait_for()
+    page.goto(f"{curve}&lang=en")
+    first, second = (page.get_by_label(f"{which} parameter") for which in ("First", "Second"))
+    first.wait_for()
+    shown = [each.locator("option:checked").inner_text() for each in (first, second)]
+    assert shown == ["Driving amplitude", "Driving over natural frequency"]
+    second.select_option("damping")
+    page.wait_for_url("**analyse.parameters=drive_amplitude*damping**")
+    # Other parameters have limits of their own.
+    damping = float(page.get_by_label("High", exact=True).input_value().split(",")[1])
+    assert 0.0 < damping < 1.0
+    first.select_option("damping")
     page.get_by_role("button", name="Compute").click()
-    page.get_by_role("alert").filter(has_text="Unknown parameter 'banana'").wait_for()
+    page.get_by_text("got “Linear damping coefficient”, “Linear damping coefficient”").wait_for()
 
 
 def test_a_bifurcation_curve_begins_with_the_kind_that_its_motion_is_near(page):

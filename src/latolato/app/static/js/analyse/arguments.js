@@ -14,8 +14,9 @@ import { t, tr } from "../strings.js";
  *   shown: Pick<FieldOption, "unit" | "units">}>}} SystemAbout
  *   what the server says about system and drive: titles of analyses, why some cannot treat them, texts to begin with, and what diagrams can vary */
 
-// The option that says what a diagram varies, and the two that say between which limits.
-const VARIED = "parameter";
+// The options that say what a diagram varies, or a curve, and the two that say between which limits.
+const ONE = "parameter";
+const TWO = "parameters";
 const LIMITS = /** @type {const} */ (["low", "high"]);
 
 export class ArgumentForm {
@@ -38,7 +39,7 @@ export class ArgumentForm {
     this.root = el("div", { class: "settings" });
     this.store = /** @type {any} */ ({ state: { options: this.values }, set: (/** @type {any} */ { options }) => {
       // Other parameters have limits of their own.
-      const isOther = options[VARIED] !== this.values[VARIED];
+      const isOther = this.varies(options) !== this.varies(this.values);
       this.values = this.store.state.options = options;
       if (isOther) for (const limit of LIMITS) delete options[limit];
       this.form.read();
@@ -65,11 +66,14 @@ export class ArgumentForm {
     const defaults = Object.fromEntries(Object.entries(options).filter(([, each]) => each.switch || each.choices.length)
       .map(([each, { default: usual, choices }]) => [each, usual.toLowerCase() || (choices[0] ?? "false")]));
     this.begun = { ...defaults, ...about.first[name] };
-    const varied = about.parameters[typed[VARIED] ?? this.begun[VARIED]];
-    if (varied && VARIED in options) for (const limit of LIMITS) this.begun[limit] = varied[limit];
+    const names = this.varies({ ...this.begun, ...typed });
+    const varied = names.split(",").map((each) => about.parameters[each.trim()]).filter((each) => each);
+    // The analysis says between which limits what it begins with varies.
+    if (varied.length && names !== this.varies(this.begun))
+      for (const limit of LIMITS) this.begun[limit] = varied.map((each) => each[limit]).join(", ");
     this.values = this.store.state.options = { ...this.begun, ...typed };
     const shown = explained(Object.fromEntries(Object.entries(options).map(([each, option]) =>
-      [each, this.shownAs(each, option, about, varied)])));
+      [each, this.shownAs(each, option, about, varied[0])])));
     const shape = JSON.stringify([shown, first]);
     if (same && shape === this.shape) {
       this.form.read();
@@ -84,9 +88,9 @@ export class ArgumentForm {
     this.registryInWords = { ...this.registry, options: /** @type {any} */ ({ ...known, ...parameters, ...shown }) };
     const field = (/** @type {string} */ each) => {
       const { choices, switch: isSwitch } = shown[each];
-      if (each === VARIED) return this.form.choiceField(each, shown[each], choices);
-      if (choices.length || isSwitch) return this.form.field(each);
-      return shown[each].unit === "" ? this.form.textField(each, shown[each])
+      if (each === ONE) return this.form.choiceField(each, shown[each], choices);
+      if (each === TWO) return this.form.choicesField(each, shown[each], [t("parameterFirst"), t("parameterSecond")]);
+      return choices.length || isSwitch ? this.form.field(each)
         : this.form.numberField(each, shown[each], !LIMITS.some((limit) => limit === each));
     };
     const rest = Object.keys(options).filter((each) => !first.includes(each));
@@ -109,15 +113,23 @@ export class ArgumentForm {
     const labels = { ...option.labels, "": t("automatic") };
     const shown = { ...option, labels, placeholder, takesRange: option.several };
     if (option.is_in_unit_of_parameter && varied) return { ...shown, ...varied.shown };
-    if (name !== VARIED) return shown;
+    if (name !== ONE && name !== TWO) return shown;
     const { parameters } = about;
     return { ...shown, choices: Object.keys(parameters),
       labels: Object.fromEntries(Object.entries(parameters).map(([each, { label }]) => [each, label])) };
   }
 
+  /**
+   * Return the names of what is varied, empty where nothing is.
+   * @param {Record<string, string>} values
+   */
+  varies(values) {
+    return values[ONE] ?? values[TWO] ?? "";
+  }
+
   /** Whether no limits are missing, as they are once what is varied has changed. */
   get isWhole() {
-    return !(VARIED in this.fields) || LIMITS.every((limit) => limit in this.values);
+    return !this.varies(this.values) || LIMITS.every((limit) => limit in this.values);
   }
 
   /** Whether something that is typed was refused. */

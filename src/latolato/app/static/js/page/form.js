@@ -285,23 +285,22 @@ export class Form {
   }
 
   /**
+   * Return choices whose values are one text, with commas between.
    * @param {string} name
-   * @param {FieldOption} option whose text is words, such as names of parameters
+   * @param {FieldOption} option
+   * @param {string[]} labels of each choice
    */
-  textField(name, option) {
-    const [id, errorId, aboutId] = [freshId(), freshId(), freshId()];
-    const note = el("p", { class: "error", id: errorId, role: "alert", hidden: true });
-    const input = el("input", { id, type: "text", autocomplete: "off", spellcheck: "false",
-      "aria-describedby": `${errorId} ${aboutId}`, on: { change: () => this.give(name, input.value.trim() || null) } });
-    const read = (/** @type {string | null} */ text) => { input.value = text ?? ""; };
-    this.fields.set(name, { read, error: (text) => {
-      note.hidden = text === null;
-      note.textContent = text ?? "";
-      input.setAttribute("aria-invalid", String(text !== null));
-    } });
+  choicesField(name, option, labels) {
+    const aboutId = freshId();
+    const values = (/** @type {string | null} */ text) => (text ?? "").split(",").map((each) => each.trim());
+    const fields = labels.map((label) => choice(label, () =>
+      this.give(name, fields.map(({ select }) => select.value).join(", ")), { isBeside: true }));
+    const entries = option.choices.map((value) => ({ value, text: option.labels?.[value] ?? tr(value) }));
+    const read = (/** @type {string | null} */ text) => fields.forEach(({ show }, k) => show(entries, values(text)[k] ?? ""));
+    this.fields.set(name, { read, error: () => {} });
     read(this.text(name));
-    return el("div", { class: "field" }, el("label", { for: id, title: option.description }, option.label), input,
-      explanation(option, aboutId), note);
+    return el("div", { class: "field", role: "group", "aria-label": option.label },
+      ...fields.map(({ root }) => root), explanation(option, aboutId));
   }
 
   /**
