@@ -2,6 +2,7 @@
 
 import inspect
 import json
+import re
 import shlex
 import warnings
 
@@ -232,9 +233,12 @@ def test_the_motion_in_which_the_run_settles_is_a_press_away(page, scenario):
     page.goto(f"/?view=analyse&scenario={scenario}&analyse.what=floquet&analyse.ask=1")
     elsewhere = page.get_by_text("does not settle on this motion")
     elsewhere.wait_for()
+    angle = re.search(r"its angle is \D?([.\d]+)°", elsewhere.inner_text())[1]
     page.get_by_role("button", name="Analyse that motion").click()
     page.wait_for_selector("[data-answers='2']")
     assert elsewhere.count() == 0
+    # In the same unit, and to most of the same digits.
+    assert angle[:5] in page.locator("tr", has_text="Initial angle").first.inner_text()
     assert page.locator("tr", has_text="Status").inner_text().split() == ["Status", "stable"]
     assert "initial_angular_velocity=" in page.url
 

@@ -24,7 +24,7 @@ from latolato.analysis.orbits import (
 )
 from latolato.analysis.registry import analyses, labelled, note, warn
 from latolato.analysis.rules import said
-from latolato.core.errors import Sentence, Word, joined
+from latolato.core.errors import Sentence, Word, joined, quantity_gap
 from latolato.core.quantities import Quantity
 from latolato.physics.drives import Drive
 from latolato.physics.pendulum import System
@@ -170,8 +170,10 @@ def doubts_about(orbit: Orbit, guess: Floats, period: int) -> list[Sentence]:
         result.append(said("shorter_period", smallest=float(smallest), period=period))
     if elsewhere := run_elsewhere(orbit, guess):
         periods, end = elsewhere
-        digits = [float(f"{number:.6g}") for number in end]
-        angle, velocity = joined(digits[0::2], ", "), joined(digits[1::2], ", ")
+        angle, velocity = (
+            joined([quantity_gap(float(f"{number:.6g}"), unit) for number in numbers], ", ")
+            for numbers, unit in ((end[0::2], "rad"), (end[1::2], "rad/s"))
+        )
         result.append(said("run_elsewhere", periods=periods, angle=angle, velocity=velocity))
     return result
 

@@ -278,7 +278,7 @@ RULES = {
     ),
     "run_elsewhere": Rule(
         "the run from the guess does not settle on this motion: after {periods} drive periods its "
-        "angle is {angle} rad and its angular velocity {velocity} rad/s; to analyse the motion of "
+        "angle is {angle} and its angular velocity {velocity}; to analyse the motion of "
         "that run give these as {@initial_angle} and {@initial_angular_velocity}"
     ),
     "no_lower_limit": Rule(

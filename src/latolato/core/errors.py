@@ -190,6 +190,17 @@ def name_gap(parameter: str) -> Sentence:
     return Sentence(NamedRule("", f"{{@{parameter}}}", "", {}))
 
 
+def quantity_gap(value: float, unit: str) -> Sentence:
+    """Return a number with its SI unit, for the gap of a sentence; pages have units of their own.
+
+    Examples
+    --------
+    >>> print(quantity_gap(0.25, "rad"))
+    0.25 rad
+    """
+    return Sentence(NamedRule("", "{value:.6g}{unit}", "", {"value": value, "unit": f" {unit}"}))
+
+
 class InputError(ValueError):
     """Input that breaks a rule; any other exception is a bug in the program.
 

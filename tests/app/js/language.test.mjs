@@ -154,6 +154,14 @@ test("names that were given are those of the page, in one pair of quotes", () =>
   assert.equal(inWords("did you mean 'drive_speed'?", { drive_speed: { label: "Speed" } }), "Did you mean “Speed”?");
 });
 
+test("a quantity in a sentence has the unit of the page", () => {
+  const quantity = (/** @type {string} */ unit) =>
+    ({ name: "", part: /** @type {const} */ ("rule"), text: "{value:.6g}{unit}", values: { value: Math.PI / 8, unit } });
+  const both = { ...quantity(""), text: "{angle} and {rate}", values: { angle: quantity(" rad"), rate: quantity(" rad/s") } };
+  assert.equal(sentenceInLanguage(both), "22.5° and 0.392699 rad/s");
+  assert.equal(new InputError(both).message, "0.392699 rad and 0.392699 rad/s");
+});
+
 test("a label stands in one pair of quotes, and a question ends as one", () => {
   const lacks = brokenRule("needed", { parameter: "length" }, { law: "Chirp", unit: " [m]" });
   assert.equal(sentence(REGISTRY, lacks), "Chirp needs “duljina”.");

@@ -78,7 +78,7 @@ function startIn(note) {
   if (typeof note !== "object" || !("values" in note)) return undefined;
   const { name, values } = note;
   if (name !== "run_elsewhere") return Object.values(values).map(startIn).find((start) => start);
-  const each = (/** @type {Value} */ listed, /** @type {string} */ unit) =>
-    Object.values(/** @type {Sentence} */ (listed).values).map((number) => `${number} ${unit}`).join(", ");
-  return { initial_angle: each(values.angle, "rad"), initial_angular_velocity: each(values.velocity, "rad/s") };
+  const each = (/** @type {Value} */ listed) => Object.values(/** @type {Sentence} */ (listed).values)
+    .map((quantity) => /** @type {Sentence} */ (quantity).values).map(({ value, unit }) => `${value}${unit}`).join(", ");
+  return { initial_angle: each(values.angle), initial_angular_velocity: each(values.velocity) };
 }

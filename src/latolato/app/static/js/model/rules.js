@@ -12,16 +12,18 @@
  * @typedef {string | number | {word: string} | Sentence} Value
  *
  * Another language: a sentence by the name of its rule, undefined where it lacks that, words, how what was given
- * is written, and what people call a parameter that a sentence names in a gap such as `{@end}`, or what sets it to a
- * value: `{@end=2}`.
+ * is written, the gaps of a sentence in the units that people read, and what people call a parameter that a sentence
+ * names in a gap such as `{@end}`, or what sets it to a value: `{@end=2}`.
  * @typedef {{sentence: (name: string, part: "rule" | "way_out") => string | undefined, word: (text: string) => string,
- *   given: (value: any) => string, label: (parameter: string, value?: string) => string}} RuleLanguage
+ *   given: (value: any) => string, values: (values: Sentence["values"]) => Sentence["values"],
+ *   label: (parameter: string, value?: string) => string}} RuleLanguage
  */
 
 /** @type {Record<string, Rule>} */
 const RULES = {};
 /** @type {RuleLanguage} */
-const ENGLISH = { sentence: () => undefined, word: (text) => text, given: literal, label: pythonName };
+const ENGLISH = { sentence: () => undefined, word: (text) => text, given: literal, values: (values) => values,
+  label: pythonName };
 // A gap, and how many digits a number in it has.
 const GAP = /\{(@|@?\w+(?:=\w+)?)(?::(?:\.(\d+))?(g))?\}/g;
 const DIGITS = 6;
@@ -64,7 +66,8 @@ export function sentenceOf(name, values = {}, part = "rule") {
  */
 export function say(sentence, language = ENGLISH) {
   if (typeof sentence === "string") return language.word(sentence);
-  const { name, part, text, values } = sentence;
+  const { name, part, text } = sentence;
+  const values = language.values(sentence.values);
   // A translation leaves it to the English text how numbers are written.
   const digits = Object.fromEntries(Array.from(text.matchAll(GAP), ([, gap, count, isGeneral]) =>
     [gap, isGeneral ? Number(count ?? DIGITS) : 0]));

@@ -2,7 +2,7 @@
 
 import { asRead, InputError, literal, pythonName, say } from "../model/rules.js";
 import { capitalised, local, ruleText, t, tr } from "../strings.js";
-import { besideUnit, inProse, shownEnd, shownUnit } from "./unit_text.js";
+import { besideUnit, DEGREE, inProse, shownEnd, shownUnit } from "./unit_text.js";
 
 /** What the page calls the parameters for which it has a field or a button. @type {Map<string, string>} */
 const LABELS = new Map();
@@ -130,6 +130,9 @@ function naming(options) {
       const words = KINDS.get(each) ?? labelOf(each);
       return words === undefined ? literal(each) : quoted(words);
     }),
+    // Angles of a quantity in a sentence: `latolato.core.errors.quantity_gap`.
+    values: (values) => (values.unit === " rad" && typeof values.value === "number"
+      ? { ...values, value: values.value / DEGREE, unit: "°" } : values),
     label: (parameter, value) => called(labelOf(parameter), parameter, value) };
 }
 
