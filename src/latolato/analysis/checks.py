@@ -12,9 +12,9 @@ from latolato.core.errors import name_gap
 from latolato.core.quantities import POSITIVE, Range
 from latolato.core.registry import check_increasing, checked_number
 from latolato.observables.period import LONGEST
-from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic
+from latolato.physics.drives import Drive, PeriodicDrive, PlanarHarmonic, drives
 from latolato.physics.pendulum import System
-from latolato.simulation.start import checked_drive, checked_periodic_drive, checked_system
+from latolato.simulation.start import checked_drive, checked_system
 
 Floats = NDArray[np.float64]
 
@@ -44,7 +44,16 @@ def checked_periodic(system: System, drive: Drive | None) -> PeriodicDrive:
 def checked_vertical(drive: Drive | None) -> PeriodicDrive:
     """Return a drive that repeats itself and moves the pivot up and down only."""
     check_vertical(drive)
-    return checked_periodic_drive(drive)
+    return _periodic(drive)
+
+
+def _periodic(drive: Drive | None) -> PeriodicDrive:
+    """Return a drive that repeats itself."""
+    checked_drive(drive)
+    if not isinstance(drive, PeriodicDrive):
+        name = "none" if drive is None else drives.name_of(drive)
+        raise broken_analysis("repeating_drive", parameter="drive", value=name)
+    return drive
 
 
 def check_vertical(drive: Drive | None) -> None:
@@ -58,7 +67,7 @@ def checked_repeating(system: System, drive: Drive | None) -> PeriodicDrive | Pl
     if isinstance(drive, PlanarHarmonic):
         checked_drive(drive, checked_system(system))
         return drive
-    return checked_periodic_drive(drive)
+    return _periodic(drive)
 
 
 def check_rods(system: System) -> None:

@@ -20,6 +20,7 @@ RULES = {
         "must have motion that settles, but that of the linearised Mathieu only grows or decays",
         "use Pendulum, or mathieu_growth_rate",
     ),
+    "repeating_drive": Rule("must repeat itself with a single period", "give one such as Harmonic"),
     "vertical_drive": Rule(
         "moves the pivot sideways, which this analysis does not describe: {parameter} must be "
         "vertical",

@@ -46,7 +46,6 @@ RULES = {
     "switch": Rule("must be true or false"),
     "choice": Rule("must be {words} or {last}"),
     "one_of": Rule("must be one of {names}"),
-    "repeating_drive": Rule("must repeat itself with a single period", "give one such as Harmonic"),
     # the ends of a range, and the sizes that can be computed with
     "at_least": Rule("must lie in {range}", "give at least {end}"),
     "more_than": Rule("must lie in {range}", "give more than {end}"),

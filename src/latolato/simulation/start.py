@@ -16,7 +16,7 @@ from latolato.core.rules import broken_rule
 from latolato.numerics.integrate import Floats, Start, prepared_runs
 from latolato.numerics.prepare import cases_of, choose_stepper, move_between
 from latolato.physics.contacts import ContactLaw, ExactContact, PassThrough, contact_laws
-from latolato.physics.drives import Drive, FixedPivot, PeriodicDrive, drives
+from latolato.physics.drives import Drive, FixedPivot, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import BallPair, LatoLato, System, systems
 
@@ -47,15 +47,6 @@ def checked_drive(drive: Drive | None, system: System | None = None) -> Drive:
         if system.is_linear:
             law = type(system).__name__
             raise broken_rule("vertical_pivot", {"law": law}, parameter="drive", value=name)
-    return drive
-
-
-def checked_periodic_drive(drive: Drive | None) -> PeriodicDrive:
-    """Return a drive that repeats itself."""
-    checked_drive(drive)
-    if not isinstance(drive, PeriodicDrive):
-        name = "none" if drive is None else drives.name_of(drive)
-        raise broken_rule("repeating_drive", parameter="drive", value=name)
     return drive
 
 
