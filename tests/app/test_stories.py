@@ -593,9 +593,9 @@ def test_the_way_back_takes_away_what_was_not_yet_done_there(page):
     page.locator(".story-step [type=submit]").click()
     page.locator(".story-number strong[data-value]").wait_for()
     try_by_hand(page, "why_twice", 1, "en")
-    done = page.get_by_text("✓ Done.")
+    done = page.get_by_text("✓ That is it.")
     done.wait_for()
-    page.wait_for_url("**story.tried=done**")
+    page.wait_for_url("**story.tried=1**")
     page.go_back()
     done.wait_for(state="detached")
     page.go_forward()
@@ -603,6 +603,22 @@ def test_the_way_back_takes_away_what_was_not_yet_done_there(page):
     # Grams where a kilogram and a half was meant: friction leaves no swing.
     enter(page.get_by_role("textbox", name=re.compile("^mass of one ball")), "1.6 g")
     page.get_by_text("none: in the second half, the ball does not swing there and back").wait_for()
+
+
+def test_a_tick_stands_beside_a_run_that_does_what_was_to_be_tried_and_no_other(page):
+    link = "/?scenario=toy&initial_offset=0+deg&story.name=first_clack&story.answers=1"
+    page.goto(f"{link}&drive_amplitude=10+mm&story.tried=1")
+    page.get_by_text("Why is that?").wait_for()
+    assert value_on(page) < 1
+    done = page.get_by_text("✓ That is it.")
+    assert done.count() == 0
+    amplitude = page.get_by_role("textbox", name=re.compile("^How far the hand moves"))
+    enter(amplitude, "40")
+    done.wait_for()
+    enter(amplitude, "10")
+    done.wait_for(state="detached")
+    assert value_on(page) < 1
+    assert page.get_by_text("Why is that?").is_visible()  # what was read stays
 
 
 def test_a_story_survives_a_reload_and_the_way_back(page):

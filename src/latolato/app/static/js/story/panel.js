@@ -11,13 +11,13 @@ import { loadSchema, loadTables } from "./contents.js";
 import { StoryList } from "./list.js";
 import { runOnShow, shownBy } from "./look.js";
 import { withPeriod } from "./numbers.js";
-import { DONE, NOT_YET, PASSED, Step } from "./step.js";
+import { NOT_YET, Step } from "./step.js";
 
 /** @typedef {import("./contents.js").StoryTable} StoryTable */
 
 // Where the address asks for the list.
 const LIST = "story.list";
-// Where it says whether the reader has tried what a step asks for.
+// Where it says that the reader has tried what a step asks for, or goes on without.
 const TRIED = "story.tried";
 // As in story.css: there the panel lies at the bottom.
 const NARROW = "(max-width: 800px) and (min-height: 561px)";
@@ -70,7 +70,7 @@ export class StoryPanel {
     const step = Number(extra["story.step"] ?? 1);
     return { name: extra["story.name"], answers: extra["story.answers"] ?? "",
       step: Number.isInteger(step) ? Math.min(Math.max(step, 1), count) : 1,
-      tried: extra[TRIED] ?? NOT_YET };
+      hasTried: TRIED in extra };
   }
 
   /**
@@ -158,7 +158,7 @@ export class StoryPanel {
 
   /** Show the step or the challenge, as far as the reader is. */
   show() {
-    const { step, answers, tried } = this.kept;
+    const { step, answers, hasTried } = this.kept;
     const tables = /** @type {StoryTable} */ (this.tables);
     if (!this.part || this.partAt !== step) {
       this.partAt = step;
@@ -166,14 +166,14 @@ export class StoryPanel {
       this.title.textContent = tr(tables.title);
       this.part = tables.task ? new Challenge(this, tables)
         : new Step(this, tables.steps[step - 1], { answer: (choice) => this.answer(choice),
-          goOn: () => this.page.store.keep(TRIED, PASSED), did: () => this.did() });
+          goOn: () => this.page.store.keep(TRIED, "1"), did: () => this.did() });
       this.body.replaceChildren(this.part.root);
       this.body.scrollTop = this.root.scrollTop = 0;
       this.makeNav(step);
       if (this.takesFocus) this.part.head.focus();
       this.takesFocus = false;
     }
-    if (this.part instanceof Step) this.part.show(answers[step - 1] ?? NOT_YET, tried);
+    if (this.part instanceof Step) this.part.show(answers[step - 1] ?? NOT_YET, hasTried);
   }
 
   /** @param {number} step */
@@ -236,10 +236,10 @@ export class StoryPanel {
     this.page.store.keep("story.answers", all.slice(0, step - 1) + choice + all.slice(step));
   }
 
-  /** Keep beside the run on show that it does what was to be tried: Back goes to where nobody had done it. */
+  /** Keep from the run on show onwards that the reader has tried: Back goes to where nobody had. */
   did() {
     const { store } = this.page;
-    store.amend({ extra: { ...store.state.extra, [TRIED]: DONE } });
+    store.amend({ extra: { ...store.state.extra, [TRIED]: "1" } });
   }
 
   /** Show the step as it begins. */

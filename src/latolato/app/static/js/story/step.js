@@ -11,9 +11,6 @@ import { shownNumber } from "./number_text.js";
 /** @typedef {import("../page/block.js").Block} Block */
 
 export const NOT_YET = "-";
-/** Of what was to be tried: the reader goes on without it, or has done it. */
-export const PASSED = "1";
-export const DONE = "done";
 
 export class Step {
   /**
@@ -25,8 +22,7 @@ export class Step {
     this.panel = panel;
     this.step = step;
     this.act = act;
-    /** `NOT_YET`, `PASSED` or `DONE`. */
-    this.tried = NOT_YET;
+    this.hasTried = false;
     const { look, predict, explanation, number } = step;
     this.needsPeriod = [number, ...step.try.done ?? []].some((each) => each.quantity === "response_period");
     this.head = el("h3", { tabindex: "-1" }, tr(step.title));
@@ -61,11 +57,10 @@ export class Step {
   /**
    * Show how far the reader is.
    * @param {string} answer digit of the choice, or `NOT_YET`
-   * @param {string} tried `NOT_YET`, `PASSED` or `DONE`
+   * @param {boolean} hasTried or goes on without
    */
-  show(answer, tried) {
-    this.tried = tried;
-    const hasTried = tried !== NOT_YET;
+  show(answer, hasTried) {
+    this.hasTried = hasTried;
     const choice = this.step.predict.choices[Number(answer) - 1];
     if (choice) {
       const radio = this.form.querySelector(`input[value="${answer}"]`);
@@ -74,8 +69,6 @@ export class Step {
     const reply = choice ? t(choice.right ? "storyRight" : "storyWrong", { text: tr(choice.answer) }) : "";
     if (this.reply.textContent !== reply) this.reply.textContent = reply;
     this.reply.classList.toggle("right", Boolean(choice?.right));
-    const done = choice && tried === DONE ? t("storyTried") : "";
-    if (this.done.textContent !== done) this.done.textContent = done;
     this.anyway.hidden = hasTried;
     const opened = [this.trial, this.why].filter((part, i) => part.hidden && choice && (i === 0 || hasTried));
     this.trial.hidden = this.one.hidden = !choice;
@@ -84,7 +77,7 @@ export class Step {
   }
 
   /**
-   * Show the number of a run, and notice what was to be tried.
+   * Show the number of a run, and whether it does what was to be tried.
    * @param {Block | null} block null for a run that cannot be computed
    * @param {Record<string, string>} extra
    */
@@ -108,7 +101,9 @@ export class Step {
         : parameterOf(condition.parameter, block);
       return now >= end("at_least", -Infinity) && now <= end("at_most", Infinity);
     });
-    if (isDone && this.tried !== DONE) this.act.did();
+    const done = isDone ? t("storyTried") : "";
+    if (this.done.textContent !== done) this.done.textContent = done;
+    if (isDone && !this.hasTried) this.act.did();
   }
 
   /** @param {string | undefined} text */
