@@ -266,6 +266,11 @@ def test_pages_and_python_compute_the_same_numbers(ask_node):
     angle = {"name": "time_to_angle", "angle": 45 * DEGREE}
     asked.append({"look": {"view": "toy", "preset": "fig12"}, "options": {}, **angle})
     expected.append(number("time_to_angle", "fig12", 45 * DEGREE))
+    still = {"drive_amplitude": "0 m"}
+    assert math.isnan(number("shakes_per_swing", "fig02", **still))
+    fig02 = {"view": "toy", "preset": "fig02"}
+    asked.append({"look": fig02, "options": still, "name": "shakes_per_swing"})
+    expected.append(math.nan)
     asked.append({"look": {"view": "toy", "preset": "toy"}, "options": {}, "name": "contacts"})
     expected.append(number("contacts", "toy"))
     found = ask_node("stories_in_node.mjs", {"numbers": asked, "scores": []})["numbers"]

@@ -40,6 +40,8 @@ class Run(NamedTuple):
         Instants [s] and names of contacts.
     strobe : array (period,)
         Instants at which the drive begins a period [s].
+    has_moving_pivot : bool
+        Whether the drive moves the pivot at all.
     options : mapping
         All options [SI].
     scenario : Scenario
@@ -51,6 +53,7 @@ class Run(NamedTuple):
     contact_time: NDArray[np.float64]
     contact_kind: list[str]
     strobe: NDArray[np.float64]
+    has_moving_pivot: bool
     options: Mapping[str, Any]
     scenario: Scenario
 
@@ -59,13 +62,15 @@ def run_of(preset: str, options: Mapping[str, Any]) -> Run:
     """Return the run that a page shows for a preset and options."""
     scenario: Scenario = scenario_of(RunRequest(preset, options))
     record = scenario.record(**sampled(scenario, USUAL_SAMPLES))
-    arrays = arrays_of(scenario, record, ["angle"])
+    arrays = arrays_of(scenario, record, ["angle", "pivot_height", "pivot_across"])
+    pivot = [arrays[name] for name in ("pivot_height", "pivot_across") if name in arrays]
     return Run(
         time=arrays["time"],
         angle=arrays["angle"],
         contact_time=arrays["contact_time"],
         contact_kind=[str(kind) for kind in np.asarray(record["contact_kind"])],
         strobe=arrays["strobe"],
+        has_moving_pivot=any(np.ptp(each) > 0.0 for each in pivot),
         options=options_of(scenario),
         scenario=scenario,
     )
@@ -157,6 +162,12 @@ def _fastest_drive(run: Run) -> float:
     return float(np.max(options.get("drive_frequencies", options.get("drive_frequency", math.nan))))
 
 
+def _shakes_per_swing(run: Run, _: float) -> Any:
+    if not run.has_moving_pivot:
+        return math.nan
+    return _swing_period(run, _) * _fastest_drive(run) / math.tau
+
+
 def _drive_speed(run: Run, _: float) -> Any:
     return run.options.get("drive_amplitude", math.nan) * _fastest_drive(run)
 
@@ -175,7 +186,7 @@ _QUANTITIES: dict[str, Callable[[Run, float], Any]] = {
     "contacts": _contacts,
     "top_contacts": lambda run, _: run.contact_kind.count("top"),
     "swing_period": _swing_period,
-    "shakes_per_swing": lambda run, _: _swing_period(run, _) * _fastest_drive(run) / math.tau,
+    "shakes_per_swing": _shakes_per_swing,
     "response_period": _response_period,
     "growth_rate": _growth_rate,
     "drive_speed": _drive_speed,

@@ -112,6 +112,14 @@ function fastestDrive({ about: { options } }) {
 }
 
 /** @param {Block} block */
+function hasMovingPivot({ arrays }) {
+  return [arrays.pivot_height, arrays.pivot_across].some((places) => {
+    const [low, high] = range(places ?? [0]);
+    return low < high;
+  });
+}
+
+/** @param {Block} block */
 function driveSpeed(block) {
   return (block.about.options.drive_amplitude ?? NaN) * fastestDrive(block);
 }
@@ -127,7 +135,7 @@ const QUANTITIES = {
   contacts: (block) => contacts(block, ["bottom", "top"]).length,
   top_contacts: (block) => contacts(block, ["top"]).length,
   swing_period: swingPeriod,
-  shakes_per_swing: (block) => (swingPeriod(block) * fastestDrive(block)) / (2 * Math.PI),
+  shakes_per_swing: (block) => (hasMovingPivot(block) ? (swingPeriod(block) * fastestDrive(block)) / (2 * Math.PI) : NaN),
   response_period: ({ about }) => about.response_period ?? NaN,
   growth_rate: growthRate,
   drive_speed: driveSpeed,
