@@ -35,6 +35,19 @@ def test_a_stage_is_told_at_once_and_a_share_of_it_now_and_then(tmp_path):
     ]
 
 
+def test_a_job_says_once_that_it_compiles_and_then_names_the_stage_that_goes_on(tmp_path):
+    report = _Report(tmp_path)
+    report.progress(0.5, "fitting")
+    told = []
+    for call in (report.compiling, report.compiled, report.compiling, report.compiled):
+        call()
+        told.append(status_in(tmp_path))
+    fitting = {"state": "fitting", "progress": 0.5}
+    assert told == [{"state": "compiling"}, fitting, fitting, fitting]
+    report.progress(0.0, "drawing")
+    assert status_in(tmp_path) == {"state": "drawing", "progress": 0.0}
+
+
 def result_of(do, folder):
     return _result(Job(dance, {"do": do}), folder)
 

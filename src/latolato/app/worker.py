@@ -50,12 +50,12 @@ def run(compute: Compute, request: Mapping[str, Any], folder: Path) -> Result:
     # What a process that is killed leaves behind goes with the folder of its job.
     tempfile.tempdir = str(folder)
     report = _Report(folder)
-    report("working")
+    report.progress()
     try:
         with (
             warnings.catch_warnings(record=True) as caught,
             speaking(language_of(request.get("language", "en"))),
-            compiling(lambda: report("compiling"), lambda: report("working")),
+            compiling(report.compiling, report.compiled),
         ):
             warnings.simplefilter("always", RuntimeWarning)
             about, arrays = compute(request, folder, report.progress)
@@ -102,20 +102,32 @@ class _Report:
     def __init__(self, folder: Path) -> None:
         self._path = folder / STATUS
         self._written = 0.0
-        self._stage = ""
+        self._status: dict[str, Any] = {}
+        self._has_compiled = False
 
-    def __call__(self, state: str, **more: float) -> None:
-        """Write a state; a reader finds this one or the one before."""
+    def _write(self, status: Mapping[str, Any]) -> None:
+        """Write a status; a reader finds this one or the one before."""
         unfinished = self._path.with_suffix(".part")
-        unfinished.write_text(json.dumps({"state": state, **more}), encoding="utf-8")
+        unfinished.write_text(json.dumps(status), encoding="utf-8")
         unfinished.replace(self._path)
 
-    def progress(self, share: float, stage: str = "working") -> None:
+    def progress(self, share: float | None = None, stage: str = "working") -> None:
         """Write the share of a stage that is done, unless one of this stage was just written."""
         now = time.monotonic()
-        if stage != self._stage or now - self._written > _PAUSE:
-            self._written, self._stage = now, stage
-            self(stage, progress=float(share))
+        if stage != self._status.get("state") or now - self._written > _PAUSE:
+            self._written = now
+            self._status = {"state": stage} | ({} if share is None else {"progress": float(share)})
+            self._write(self._status)
+
+    def compiling(self) -> None:
+        """Write that the job compiles, once: a page reads out each change."""
+        if not self._has_compiled:
+            self._write({"state": "compiling"})
+        self._has_compiled = True
+
+    def compiled(self) -> None:
+        """Write the stage that goes on."""
+        self._write(self._status)
 
 
 def status_in(folder: Path) -> dict[str, Any]:

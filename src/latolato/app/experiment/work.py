@@ -153,6 +153,7 @@ def _undamaged(video: Video, damage: list[Sentence]) -> Iterator[Frame]:
 
 def track(job: Job, tell: Tell) -> Result:
     """Track a video, write its table, and return what the table and the usual fits say."""
+    tell("tracking", 0.0)
     description = described(job["description"])
     if not description.get("balls"):
         raise InputError("point at one ball or two")
@@ -342,6 +343,7 @@ def export(job: Job, tell: Tell) -> Result:
 
 def example(job: Job, tell: Tell) -> Result:
     """Render a short video with known truth, and look at it."""
+    tell("painting", 0.0)
     import latolato as ll
     from latolato.experiment.synthetic.scene import Camera, Scene
     from latolato.experiment.synthetic.synthesise import synthesise_video
