@@ -367,7 +367,7 @@ class TestPointsThatMakeNoSense:
 
     @pytest.mark.parametrize("name, value", [("length", 1e-31), ("damping", 1e31)])
     def test_an_axis_of_numbers_that_cannot_be_computed_with_is_refused(self, name, value):
-        with pytest.raises(InputError, match=rf"{name}.*check its unit"):
+        with pytest.raises(InputError, match=rf"{name}.*check its order of magnitude"):
             ll.sweep(PENDULUM, DRIVE, **SHORT, axes={name: [1.0, value]}, initial_angle=0.4)
 
     def test_a_ratio_may_lead_beyond_what_can_be_computed_with(self):

@@ -51,9 +51,9 @@ RULES = {
     "more_than": Rule("must lie in {range}", "give more than {end}"),
     "at_most": Rule("must lie in {range}", "give at most {end}"),
     "less_than": Rule("must lie in {range}", "give less than {end}"),
-    "size": Rule("must lie in {range}", "check its unit"),
+    "size": Rule("must lie in {range}", "check its order of magnitude"),
     "turns": Rule("must lie in {range}", "leave out whole turns"),
-    "tiny": Rule("must be at least {end}", "check its unit"),
+    "tiny": Rule("must be at least {end}", "check its order of magnitude"),
     # of names
     "meant": Rule("did you mean '{name}'?"),
     "known": Rule("known are {names}"),

@@ -233,7 +233,7 @@ test("a number that is too small for its unit is refused in the unit of its fiel
   const options = { length: { ...REGISTRY.options.length, unit: "m", units: [{ name: "cm", size: 0.01 }], limits } };
   const error = brokenRule("tiny", { parameter: "length", value: 1e-40 }, { end: "1e-30 m" });
   const [text] = inPagesWords({ options }, error);
-  assert.match(text, /is too small to compute with.* 10⁻³⁸ cm; check its unit/);
+  assert.match(text, /is too small to compute with.* 10⁻³⁸ cm; check its order of magnitude/);
 });
 
 test("beside its field a refusal names no file", () => {
