@@ -6,7 +6,9 @@ from urllib.parse import parse_qs
 import pytest
 
 from latolato.app.run_request import RunRequest, check_size
+from latolato.core.language import speaking
 from latolato.paper.links import links_to_maps, links_to_presets, links_to_runs, presets_of
+from latolato.paper.page_words import LANGUAGES
 from latolato.report.addresses import address_of_map
 from latolato.scenario.scenario import scenarios
 from quick_figures import EVIDENCE, quick_data
@@ -35,6 +37,16 @@ def test_a_preset_opens_as_a_run_or_as_a_map(figure):
         assert read(link.address) == (view, {"scenario": name})
         action = "Open in Map" if view == "map" else "Open in Toy"
         assert link.text == f"{action}: {scenarios()[name].title}"
+
+
+def test_presets_are_described_in_the_language_of_their_links():
+    for figure in EVIDENCE:
+        english = links_to_presets(figure)
+        with speaking(LANGUAGES["id"]):
+            indonesian = links_to_presets(figure)
+        for one, other in zip(english, indonesian, strict=True):
+            assert one.address == other.address
+            assert other.description != one.description
 
 
 @pytest.mark.parametrize("name", PRESETS)

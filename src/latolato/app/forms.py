@@ -41,7 +41,7 @@ from latolato.physics.drives import FixedPivot, PeriodicDrive, drives
 from latolato.physics.noise import VelocityKicks
 from latolato.physics.pendulum import Pendulum, systems
 from latolato.scenario.options import flat_options, law_options
-from latolato.scenario.scenario import ALTERNATIVES, load_scenario, read_tables, shipped
+from latolato.scenario.scenario import ALTERNATIVES, Scenario, load_scenario, read_tables, shipped
 from latolato.scenario.tables import RATIOS
 from latolato.scenario.units import to_si, to_si_list, unit_table
 from latolato.simulation.summary import plain
@@ -298,7 +298,7 @@ def _scenario(path: Path) -> dict[str, Any]:
     return {
         "title": scenario.title,
         "question": scenario.question,
-        "description": pretty(_with_titles(scenario.description)),
+        "description": description_of(scenario),
         "figure": scenario.figure,
         "given": {
             name: _in_si(law_options()[name], value) for name, value in flat_options(tables).items()
@@ -307,6 +307,11 @@ def _scenario(path: Path) -> dict[str, Any]:
         "sweep": scenario.to_dict().get("sweep"),
         "curves": _curves_of(path.stem),
     }
+
+
+def description_of(scenario: Scenario) -> str:
+    """Return the description of a scenario as pages write it, on one line."""
+    return " ".join(pretty(_with_titles(scenario.description)).split())
 
 
 def _with_titles(text: str) -> str:

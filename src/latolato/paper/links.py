@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from latolato import Scenario, scenarios
+from latolato.app.forms import description_of
 from latolato.core.language import local, spoken, tr
 from latolato.core.quantities import QUANTITIES
 from latolato.figures.style import pretty_unit
@@ -85,7 +86,7 @@ def links_to_presets(figure: str) -> list[Link]:
         Link(
             text=f"{tr('Open in Map' if scenario.varied else 'Open in Toy')}: {tr(scenario.title)}",
             address=PAGES + address_of_preset(name, is_map=bool(scenario.varied)),
-            description=scenario.description,
+            description=tr(description_of(scenario)),
         )
         for name, scenario in known.items()
     ]
