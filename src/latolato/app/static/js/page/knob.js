@@ -301,7 +301,7 @@ export class Knob {
 
   /**
    * Return what to offer in place of a value that is refused: the limit beyond which it lies, or the usual value or the
-   * default where that limit is none that anybody means.
+   * default where that limit is too far from them to be what anybody wants.
    * @param {number | null} limit
    */
   offerNear(limit) {

@@ -143,7 +143,7 @@ export class Store {
   set(part, changed = "options") {
     const before = format(this.state);
     this.state = { ...this.state, ...part };
-    // Whoever sets parameters wants the run that they make, not what was played by hand.
+    // New parameters ask for the run that they describe, not for what was played by hand.
     if ("options" in part) this.state.extra = withoutNames(this.state.extra, [PLAYED]);
     const address = format(this.state);
     if (address !== before) {
