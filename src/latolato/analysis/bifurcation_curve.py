@@ -295,7 +295,7 @@ class _Met(NamedTuple):
     settles: bool
 
     def gaps(self, flow: Flow) -> dict[str, Any]:
-        """Return what the rule says of the point."""
+        """Return what the rule says about the point."""
         name, value = str(self.point.attrs["parameter"]), float(self.point["special_value"])
         kind = _word_of(_kind_of(str(self.point["special_kind"].item())))
         return {"kind": kind, "place": named_value(flow, name, value)}
